@@ -1,0 +1,81 @@
+//! The one error type. Every variant carries the values a user needs to mend the input:
+//! where it is, what was found, what is allowed. `exit_code` is the contract of the command line.
+
+use std::path::{Path, PathBuf};
+
+/// Anything that stops an analysis.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// A value of the case file (or of `--set`) is not usable.
+    #[error("{file}: at `{path}`: {problem}\n  found:   {value}\n  allowed: {allowed}")]
+    Input {
+        /// Case file as given on the command line.
+        file: String,
+        /// JSON path of the value, e.g. `shaft.segments.0.length`.
+        path: String,
+        /// The offending value as written (shortened).
+        value: String,
+        /// What is wrong with it, in one sentence.
+        problem: String,
+        /// What is allowed there, or how to mend it.
+        allowed: String,
+    },
+    /// The file is not JSON.
+    #[error("{file}:{line}:{column}: not valid JSON: {message}")]
+    Syntax {
+        /// Case file as given on the command line.
+        file: String,
+        /// Line of the fault, from 1.
+        line: usize,
+        /// Column of the fault, from 1.
+        column: usize,
+        /// What the parser said.
+        message: String,
+    },
+    /// A file or folder can't be read or written.
+    #[error("{}: cannot {action}: {message}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// "read", "write", ...
+        action: &'static str,
+        /// What the operating system said.
+        message: String,
+    },
+    /// The command line asks for something that does not exist.
+    #[error("{0}")]
+    Usage(String),
+    /// The input is fine but the computation did not succeed.
+    #[error("{what}\n  tried:   {tried}\n  remedy:  {remedy}")]
+    Analysis {
+        /// What failed.
+        what: String,
+        /// What was tried.
+        tried: String,
+        /// What the user can change.
+        remedy: String,
+    },
+}
+
+/// `std::result::Result` with [`Error`].
+pub type Result<T> = std::result::Result<T, Error>;
+
+impl Error {
+    /// 2 for bad input or usage, 1 for an analysis that did not succeed.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Error::Analysis { .. } => 1,
+            _ => 2,
+        }
+    }
+
+    /// An [`Error::Io`] from the operating system's error.
+    pub fn io(path: &Path, action: &'static str, error: &std::io::Error) -> Self {
+        Error::Io { path: path.to_owned(), action, message: error.to_string() }
+    }
+
+    /// An [`Error::Analysis`].
+    pub fn analysis(what: impl Into<String>, tried: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Error::Analysis { what: what.into(), tried: tried.into(), remedy: remedy.into() }
+    }
+}

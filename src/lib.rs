@@ -1,0 +1,5 @@
+//! Rotordynamics on the higher-order ANCF beam element 34X3.
+
+pub mod error;
+pub mod results;
+pub mod section;
