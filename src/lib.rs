@@ -1,5 +1,6 @@
 //! Rotordynamics on the higher-order ANCF beam element 34X3.
 
 pub mod error;
+pub mod model;
 pub mod results;
 pub mod section;

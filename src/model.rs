@@ -1,0 +1,244 @@
+//! The checked model: what a case file means, free of units, names and optional keys.
+//! Every number is finite, SI, and in its allowed range; every position is a node.
+
+use crate::section::Section;
+
+/// Isotropic linear elastic material with Kelvin-Voigt and external damping.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Young's modulus, Pa.
+    pub youngs_modulus: f64,
+    /// Poisson's ratio, in (-1, 0.5).
+    pub poisson_ratio: f64,
+    /// Density, kg/m^3.
+    pub density: f64,
+    /// Kelvin-Voigt factor beta of `S = C : (E + beta dE/dt)`, s.
+    pub stiffness_damping: f64,
+    /// External damping alpha: force `-alpha M v`, 1/s.
+    pub mass_damping: f64,
+}
+
+/// Elastic law of an element.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Law {
+    /// Three-dimensional St. Venant-Kirchhoff (34X1 .. 34X5).
+    Continuum,
+    /// Continuum with Poisson coupling on the axis only (3333c).
+    Split,
+    /// Structural strains of a shear-deformable beam (3333s).
+    Structural,
+}
+
+/// A member of the element family: data, not code.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ElementKind {
+    /// Degree p of the axial Lagrange polynomials; p + 1 nodes.
+    pub axial_degree: usize,
+    /// Total degree n of the section polynomials; (n+1)(n+2)/2 vectors a node.
+    pub section_order: usize,
+    /// Elastic law.
+    pub law: Law,
+}
+
+impl ElementKind {
+    /// Vectors at each node of the element: (n+1)(n+2)/2.
+    pub fn n_vectors(&self) -> usize {
+        (self.section_order + 1) * (self.section_order + 2) / 2
+    }
+    /// Nodes of the element: p + 1.
+    pub fn n_nodes(&self) -> usize {
+        self.axial_degree + 1
+    }
+}
+
+/// One beam element; it occupies the nodes `first_node ..= first_node + axial_degree`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Element {
+    /// Position of its left end, m.
+    pub x: f64,
+    /// Length, m.
+    pub length: f64,
+    /// Index of its left node.
+    pub first_node: usize,
+    /// Member of the family.
+    pub kind: ElementKind,
+    /// Index into [`Model::sections`].
+    pub section: usize,
+    /// Index into [`Model::materials`].
+    pub material: usize,
+}
+
+/// A node on the axis; an end node shared by two elements carries the larger number of vectors, the
+/// element of lower order uses the first of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Node {
+    /// Position, m.
+    pub x: f64,
+    /// Vectors at this node.
+    pub n_vectors: usize,
+}
+
+/// How a disk holds the section it sits on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Hub {
+    /// The section stays plane and undeformed.
+    Rigid,
+    /// The inertia acts on r, r_,y and r_,z only; the section may deform.
+    Soft,
+}
+
+/// A rigid disk at a node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Disk {
+    /// Node it sits on.
+    pub node: usize,
+    /// kg.
+    pub mass: f64,
+    /// kg m^2.
+    pub polar_inertia: f64,
+    /// kg m^2, at least half the polar inertia.
+    pub diametral_inertia: f64,
+    /// Offset of the centre of mass along the section's y and z, m.
+    pub offset: [f64; 2],
+    /// How it holds the shaft.
+    pub hub: Hub,
+}
+
+/// What a support or load takes hold of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ActsOn {
+    /// The whole section (mean displacement, mean rotation).
+    Section,
+    /// The axis vector r only.
+    Axis,
+}
+
+/// A linear spring-damper bearing at a node, in the fixed y, z directions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bearing {
+    /// Node it holds.
+    pub node: usize,
+    /// `[[kyy, kyz], [kzy, kzz]]`, N/m; the symmetric part is positive semi-definite.
+    pub stiffness: [[f64; 2]; 2],
+    /// `[[cyy, cyz], [czy, czz]]`, N s/m.
+    pub damping: [[f64; 2]; 2],
+    /// What it holds.
+    pub acts_on: ActsOn,
+}
+
+/// How an end section of a kinematic support behaves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SectionHold {
+    /// Stays plane; may expand in its plane.
+    Plane,
+    /// Keeps its shape entirely.
+    Rigid,
+}
+
+/// Kinematic supports, see docs/theory.md section 7.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SupportKind {
+    /// No displacement, no tilt, no rotation.
+    Clamped(SectionHold),
+    /// As clamped, spinning: its mean rotation follows the drive, or is free when not driven.
+    Revolute {
+        /// How the section is held.
+        hold: SectionHold,
+        /// Rotation prescribed by the drive.
+        driven: bool,
+    },
+    /// As revolute, free along the axis.
+    Cylindrical {
+        /// How the section is held.
+        hold: SectionHold,
+        /// Rotation prescribed by the drive.
+        driven: bool,
+    },
+    /// Mean displacement (or the axis vector) held in x, y and z; tilt free.
+    Pinned(ActsOn),
+    /// Mean displacement (or the axis vector) held in y and z; tilt free.
+    Roller(ActsOn),
+    /// Exactly these components: `(vector index, component)`, in the order of the element's vectors.
+    Fix(Vec<(usize, usize)>),
+}
+
+/// A kinematic support at a node.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Support {
+    /// Node it holds.
+    pub node: usize,
+    /// What it holds.
+    pub kind: SupportKind,
+    /// JSON path, for messages.
+    pub path: String,
+}
+
+/// Where displacements are read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Probe {
+    /// Name in reports.
+    pub name: String,
+    /// Position along the shaft, m.
+    pub x: f64,
+    /// Points `[y, z]` in the section, m.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// Whose gyroscopic terms act.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Gyroscopic {
+    /// Shaft and disks.
+    All,
+    /// Disks only.
+    Disks,
+    /// None.
+    None,
+}
+
+/// Settings of the sweep over speed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CampbellSettings {
+    /// Speeds as asked for, ascending, rad/s.
+    pub speeds: Vec<f64>,
+    /// Branches to report.
+    pub modes: usize,
+    /// Size of the modal basis; `None` for the unreduced problem.
+    pub reduction: Option<usize>,
+    /// Whose gyroscopic terms act.
+    pub gyroscopic: Gyroscopic,
+    /// Excitation orders to draw besides 1x.
+    pub orders: Vec<f64>,
+}
+
+/// A checked case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    /// Reference length R of the scaled unknowns: the largest half extent of any section, m.
+    pub reference_length: f64,
+    /// Length of the shaft, m.
+    pub length: f64,
+    /// Materials in use.
+    pub materials: Vec<Material>,
+    /// Sections in use.
+    pub sections: Vec<Section>,
+    /// Elements from left to right.
+    pub elements: Vec<Element>,
+    /// Nodes from left to right.
+    pub nodes: Vec<Node>,
+    /// Disks.
+    pub disks: Vec<Disk>,
+    /// Bearings.
+    pub bearings: Vec<Bearing>,
+    /// Kinematic supports.
+    pub supports: Vec<Support>,
+    /// Probes.
+    pub probes: Vec<Probe>,
+    /// Gravity is given (ignored by linear analyses about the unloaded state).
+    pub has_gravity: bool,
+    /// Loads are given (ignored by linear analyses about the unloaded state).
+    pub has_loads: bool,
+    /// Modes to report.
+    pub modes: usize,
+    /// Sweep, when the case has one.
+    pub campbell: Option<CampbellSettings>,
+}
