@@ -1,0 +1,207 @@
+//! What a mode mainly moves: shares of kinetic energy by section motion and by harmonic around the axis.
+//!
+//! A section's field is split into translation along x (axial), translation and tilt across (bending),
+//! rotation about x (torsion) and the rest (section), orthogonal in the section's mass. Harmonics are
+//! the eigenspaces of `D_theta - J` (n = 0 axial and torsion, 1 bending, 2 ovalling, ..).
+
+use crate::assembly::Assembly;
+use crate::element::basis::{AxialProducts, SectionProducts, rotation_matrix};
+use crate::error::Result;
+use crate::linalg::dense::self_adjoint;
+use crate::model::Element;
+use crate::results::{EnergyShare, ModeKind};
+use crate::section::Section;
+use faer::{Mat, c64};
+
+/// Projections of one section's field.
+struct Split {
+    /// `p (x)` coordinates: rows give the coordinates along orthonormal axial, bending and torsion motions.
+    motions: Mat<f64>,
+    /// Section mass, `int m_k m_l dA`.
+    mass: Mat<f64>,
+    /// Rows: coordinates along harmonics; `order[row]` is the number of waves.
+    harmonics: Mat<f64>,
+    order: Vec<usize>,
+}
+
+/// Energy shares of modes of one assembly.
+pub struct Character<'a> {
+    assembly: &'a Assembly<'a>,
+    splits: Vec<Split>,
+    /// Split and axial factor (Cholesky of `int L_i L_j dx`, times density) of each element.
+    of_element: Vec<(usize, Mat<f64>)>,
+}
+
+/// Kind of the rows of [`Split::motions`].
+const MOTION_KINDS: [ModeKind; 6] = [
+    ModeKind::Axial,
+    ModeKind::Bending,
+    ModeKind::Bending,
+    ModeKind::Bending,
+    ModeKind::Bending,
+    ModeKind::Torsion,
+];
+
+impl<'a> Character<'a> {
+    /// Prepares the projections of every distinct section.
+    ///
+    /// # Errors
+    /// When a small eigenproblem fails.
+    pub fn new(assembly: &'a Assembly<'a>) -> Result<Self> {
+        let model = assembly.model;
+        let (mut keys, mut splits, mut of_element) = (Vec::<(usize, usize)>::new(), Vec::new(), Vec::new());
+        for element in &model.elements {
+            let key = (element.section, element.kind.section_order);
+            let at = match keys.iter().position(|k| *k == key) {
+                Some(at) => at,
+                None => {
+                    keys.push(key);
+                    splits.push(Split::new(
+                        element,
+                        &model.sections[element.section],
+                        model.reference_length,
+                    )?);
+                    keys.len() - 1
+                }
+            };
+            let lengths = AxialProducts::new(element.kind.axial_degree, element.length);
+            let density = model.materials[element.material].density;
+            of_element.push((at, cholesky(lengths.get(false, false), density)));
+        }
+        Ok(Self { assembly, splits, of_element })
+    }
+
+    /// Shares, kind and dominant number of waves of a (complex) mode in free coordinates.
+    pub fn of(&self, mode: &[c64]) -> (EnergyShare, ModeKind, usize) {
+        let parts = [mode.iter().map(|z| z.re).collect::<Vec<_>>(), mode.iter().map(|z| z.im).collect()];
+        let (mut total, mut motions, mut waves) = (0.0, [0.0; 6], Vec::<f64>::new());
+        for part in parts.iter().filter(|p| p.iter().any(|v| *v != 0.0)) {
+            let q = self.assembly.expand(part);
+            for (element, (split, factor)) in self.assembly.model.elements.iter().zip(&self.of_element) {
+                let split = &self.splits[*split];
+                let field = 3 * element.kind.n_vectors();
+                let index = self.assembly.element_coordinates(element);
+                let nodal = Mat::from_fn(field, factor.nrows(), |k, node| q[index[node * field + k]]);
+                let nodal = nodal * factor;
+                for j in 0..nodal.ncols() {
+                    let y = nodal.subcols(j, 1);
+                    for (motion, value) in motions.iter_mut().zip((&split.motions * y).col(0).iter()) {
+                        *motion += value * value;
+                    }
+                    total += split.energy(&nodal, j);
+                    for (value, &n) in (&split.harmonics * y).col(0).iter().zip(&split.order) {
+                        waves.resize(waves.len().max(n + 1), 0.0);
+                        waves[n] += value * value;
+                    }
+                }
+            }
+        }
+        let share = |kind: ModeKind| -> f64 {
+            let sum: f64 =
+                MOTION_KINDS.iter().zip(&motions).filter(|(k, _)| **k == kind).map(|(_, v)| v).sum();
+            if total > 0.0 { sum / total } else { 0.0 }
+        };
+        let (axial, bending, torsion) =
+            (share(ModeKind::Axial), share(ModeKind::Bending), share(ModeKind::Torsion));
+        let section = (1.0 - axial - bending - torsion).max(0.0);
+        let kinds = [
+            (bending, ModeKind::Bending),
+            (torsion, ModeKind::Torsion),
+            (axial, ModeKind::Axial),
+            (section, ModeKind::Section),
+        ];
+        let kind = kinds.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).map_or(ModeKind::Section, |k| k.1);
+        let order = (0..waves.len()).max_by(|&a, &b| waves[a].total_cmp(&waves[b])).unwrap_or(0);
+        (EnergyShare { axial, bending, torsion, section }, kind, order)
+    }
+}
+
+impl Split {
+    fn new(element: &Element, section: &Section, reference_length: f64) -> Result<Self> {
+        let order = element.kind.section_order;
+        let mass = SectionProducts::new(order, section, reference_length).plain().clone();
+        let n = mass.nrows();
+        // unit motions: x, y, z, tilt about z, tilt about y, rotation about x
+        let shapes: [&[(usize, usize, f64)]; 6] = [
+            &[(0, 0, 1.0)],
+            &[(0, 1, 1.0)],
+            &[(0, 2, 1.0)],
+            &[(1, 0, 1.0)],
+            &[(2, 0, 1.0)],
+            &[(1, 2, 1.0), (2, 1, -1.0)],
+        ];
+        let mut motions = Mat::zeros(6, 3 * n);
+        for (row, shape) in shapes.iter().enumerate() {
+            let mut weighted = vec![0.0; 3 * n];
+            for &(vector, component, value) in *shape {
+                for k in 0..n {
+                    weighted[3 * k + component] += mass[(k, vector)] * value;
+                }
+            }
+            let norm: f64 = shape.iter().map(|&(v, c, value)| value * weighted[3 * v + c]).sum();
+            for (k, w) in weighted.iter().enumerate() {
+                motions[(row, k)] = w / norm.sqrt();
+            }
+        }
+        let round = if section.is_axisymmetric() { *section } else { Section::circle(section.outer_size()) };
+        let round_mass = SectionProducts::new(order, &round, reference_length).plain().clone();
+        let (harmonics, waves) = harmonics(&round_mass, order)?;
+        Ok(Self { motions, mass, harmonics, order: waves })
+    }
+
+    fn energy(&self, nodal: &Mat<f64>, column: usize) -> f64 {
+        let n = self.mass.nrows();
+        let mut sum = 0.0;
+        for l in 0..n {
+            for k in 0..n {
+                let m = self.mass[(k, l)];
+                if m != 0.0 {
+                    sum += m
+                        * (0..3)
+                            .map(|c| nodal[(3 * k + c, column)] * nodal[(3 * l + c, column)])
+                            .sum::<f64>();
+                }
+            }
+        }
+        sum
+    }
+}
+
+/// Coordinates along the harmonics of a round section: rows are `(A h)^T` with `h^T A h = 1`, and the
+/// number of waves of each.
+fn harmonics(mass: &Mat<f64>, order: usize) -> Result<(Mat<f64>, Vec<usize>)> {
+    let n = mass.nrows();
+    let turn = rotation_matrix(order);
+    let full = Mat::from_fn(3 * n, 3 * n, |i, j| if i % 3 == j % 3 { mass[(i / 3, j / 3)] } else { 0.0 });
+    let generator = Mat::from_fn(3 * n, 3 * n, |i, j| {
+        let moved = if i % 3 == j % 3 { turn[(i / 3, j / 3)] } else { 0.0 };
+        let turned = match (i / 3 == j / 3, i % 3, j % 3) {
+            (true, 1, 2) => -1.0,
+            (true, 2, 1) => 1.0,
+            _ => 0.0,
+        };
+        moved - turned
+    });
+    // n^2 A h = T^T A T h in coordinates where A is the identity
+    let (values, vectors) = self_adjoint(full.as_ref())?;
+    let half = Mat::from_fn(3 * n, 3 * n, |i, j| vectors[(i, j)] / values[j].sqrt());
+    let moved = &generator * &half;
+    let squares = moved.transpose() * &full * &moved;
+    let (waves, shapes) = self_adjoint(squares.as_ref())?;
+    let rows = (&full * half * shapes).transpose().to_owned();
+    Ok((rows, waves.iter().map(|v| v.max(0.0).sqrt().round() as usize).collect()))
+}
+
+/// Lower factor L of `density * a = L L^T`.
+fn cholesky(a: &Mat<f64>, density: f64) -> Mat<f64> {
+    let n = a.nrows();
+    let mut l: Mat<f64> = Mat::zeros(n, n);
+    for j in 0..n {
+        for i in j..n {
+            let sum: f64 = (0..j).map(|k| l[(i, k)] * l[(j, k)]).sum();
+            let rest = density * a[(i, j)] - sum;
+            l[(i, j)] = if i == j { rest.sqrt() } else { rest / l[(j, j)] };
+        }
+    }
+    l
+}

@@ -1,0 +1,76 @@
+//! `rotor matrices`: the unconstrained system matrices in physical units.
+
+use crate::assembly::Assembly;
+use crate::element::basis::{exponents, vector_name};
+use crate::linalg::sparse::Sparse;
+use crate::model::{Gyroscopic, Model};
+
+/// One row (and column) of the matrices: an unknown of the unconstrained shaft.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct Row {
+    /// Node, from 1.
+    pub node: usize,
+    /// Position of the node, m.
+    pub x_m: f64,
+    /// Vector, e.g. "r", "y", "yz": the derivative of the position, in 1/m^order.
+    pub vector: String,
+    /// Component: "x", "y" or "z".
+    pub component: &'static str,
+}
+
+/// A named matrix in physical units, entries `(row, column, value)` from 0, column by column.
+pub struct PhysicalMatrix {
+    /// "M", "G", "N" or "K0".
+    pub name: &'static str,
+    /// What it is, with the form it belongs to.
+    pub description: &'static str,
+    /// Number of rows.
+    pub size: usize,
+    /// Entries that are not zero.
+    pub entries: Vec<(usize, usize, f64)>,
+}
+
+/// `M`, `G`, `N`, `K0` of the unconstrained shaft with disks, hubs and bearings, and the meaning of their
+/// rows. Unknowns are the derivatives themselves (not scaled by the reference length).
+pub fn matrices(model: &Model) -> (Vec<Row>, Vec<PhysicalMatrix>) {
+    let assembly = Assembly::unconstrained(model);
+    let mut rows = Vec::new();
+    let mut scale = Vec::new();
+    for (node, at) in model.nodes.iter().enumerate() {
+        // vectors come in whole orders, so their number tells the order
+        for &(a, b) in exponents(5).iter().take(at.n_vectors) {
+            for component in ["x", "y", "z"] {
+                rows.push(Row { node: node + 1, x_m: at.x, vector: vector_name((a, b)), component });
+                scale.push(model.reference_length.powi((a + b) as i32));
+            }
+        }
+    }
+    let physical = |name, description, a: &Sparse| {
+        let mut entries = Vec::with_capacity(a.compute_nnz());
+        for j in 0..a.ncols() {
+            for (&i, value) in a.row_idx_of_col_raw(j).iter().zip(a.val_of_col(j)) {
+                entries.push((i, j, value * scale[i] * scale[j]));
+            }
+        }
+        PhysicalMatrix { name, description, size: a.nrows(), entries }
+    };
+    let list = vec![
+        physical("M", "mass, kg (times m per derivative)", &assembly.mass()),
+        physical(
+            "G",
+            "gyroscopic per unit spin speed, stationary frame",
+            &assembly.gyroscopic(Gyroscopic::All),
+        ),
+        physical(
+            "N",
+            "spin softening per unit spin speed squared, stationary frame",
+            &assembly.spin_softening(),
+        ),
+        physical(
+            "K0",
+            "stiffness about the undeformed state at rest, with hubs and the symmetric part of bearings",
+            &assembly.stiffness(),
+        ),
+    ];
+    (rows, list)
+}

@@ -1,0 +1,84 @@
+//! The analyses: each takes a checked model and returns plain results with diagnostics.
+//! They know nothing of files, arguments or plots.
+
+pub mod campbell;
+pub mod character;
+pub mod check;
+pub mod critical;
+pub mod matrices;
+pub mod modes;
+pub mod reduced;
+pub mod spectrum;
+pub mod tracking;
+
+use crate::model::{Hub, Law, Model};
+use crate::results::{Diagnostic, ModelSummary};
+
+/// Results with what was modelled and the remarks of the run.
+#[derive(Debug, Clone)]
+pub struct Outcome<R> {
+    /// The analysis' own results.
+    pub results: R,
+    /// Size and content of the model.
+    pub model: ModelSummary,
+    /// Remarks.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// What every linear analysis about the undeformed state models and leaves out.
+fn summary(model: &Model, degrees_of_freedom: usize, mass_kg: f64) -> ModelSummary {
+    let mut modelled = vec!["linear elasticity about the undeformed state".to_owned()];
+    let mut left_out = Vec::new();
+    let mut members: Vec<String> = Vec::new();
+    for element in &model.elements {
+        let name = match element.kind.law {
+            Law::Continuum => format!("34X{}", element.kind.section_order),
+            Law::Split => "3333c".to_owned(),
+            Law::Structural => "3333s".to_owned(),
+        };
+        if !members.contains(&name) {
+            members.push(name);
+        }
+    }
+    modelled.push(format!("elements {}", members.join(", ")));
+    if !model.disks.is_empty() {
+        let rigid = model.disks.iter().filter(|d| d.hub == Hub::Rigid).count();
+        let soft = model.disks.len() - rigid;
+        let hubs = [(rigid, "rigid"), (soft, "soft")];
+        let hubs: Vec<String> =
+            hubs.iter().filter(|(n, _)| *n > 0).map(|(n, name)| format!("{n} with {name} hub")).collect();
+        modelled.push(format!("disks ({})", hubs.join(", ")));
+    } else {
+        left_out.push("disks: none given".to_owned());
+    }
+    if model.bearings.is_empty() {
+        left_out.push("bearing stiffness and damping: no bearings given".to_owned());
+    } else {
+        modelled.push(format!("{} linear bearings", model.bearings.len()));
+    }
+    if model.has_gravity {
+        left_out.push("gravity: a linear analysis about the undeformed state".to_owned());
+    }
+    if model.has_loads {
+        left_out.push("loads: a linear analysis about the undeformed state".to_owned());
+    }
+    ModelSummary { degrees_of_freedom, elements: model.elements.len(), mass_kg, modelled, left_out }
+}
+
+/// Remarks on input that a linear analysis does not use.
+fn ignored_input(model: &Model) -> Vec<Diagnostic> {
+    let mut list = Vec::new();
+    if model.has_gravity {
+        list.push(Diagnostic::info("gravity-ignored", "gravity does not act in this linear analysis"));
+    }
+    if model.has_loads {
+        list.push(Diagnostic::info("loads-ignored", "loads do not act in this linear analysis"));
+    }
+    if !model.probes.is_empty() {
+        list.push(Diagnostic::info(
+            "probes-ignored",
+            "probes are read by static and transient analyses only",
+        ));
+    }
+    list
+}

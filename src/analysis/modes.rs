@@ -1,0 +1,171 @@
+//! `rotor modes`: natural frequencies and shapes of the shaft at rest.
+
+use super::character::Character;
+use super::spectrum::Spectrum;
+use super::{Outcome, ignored_input, summary};
+use crate::assembly::Assembly;
+use crate::element::basis::{evaluate, exponents, lagrange, mean_weights};
+use crate::error::Result;
+use crate::model::Model;
+use crate::results::{Diagnostic, EnergyShare, Mode, ModeKind, ModeShape, Modes};
+use faer::{Mat, c64};
+
+/// Residual up to which a mode counts as solved.
+const RESIDUAL: f64 = 1e-10;
+/// Stations drawn within each element.
+const STATIONS: usize = 4;
+/// Points on the drawn outline of a section.
+const OUTLINE: usize = 72;
+
+/// The lowest `model.modes` modes at rest, rigid ones first.
+///
+/// # Errors
+/// When the eigenvalue solver does not converge.
+pub fn modes(model: &Model) -> Result<Outcome<Modes>> {
+    let assembly = Assembly::new(model);
+    let spectrum = Spectrum::new(&assembly, model.modes)?;
+    let character = Character::new(&assembly)?;
+    let n_rigid = spectrum.rigid_names.len();
+    let mut list = Vec::new();
+    for number in 1..=model.modes.min(n_rigid + spectrum.values.len()) {
+        let (value, x) = if number <= n_rigid {
+            (0.0, spectrum.flexibility.rigid.subcols(number - 1, 1))
+        } else {
+            let at = number - n_rigid - 1;
+            (spectrum.values[at], spectrum.vectors.subcols(at, 1))
+        };
+        let column: Vec<f64> = x.col(0).iter().copied().collect();
+        let complex: Vec<c64> = column.iter().map(|&v| c64::new(v, 0.0)).collect();
+        let (energy_share, kind, circumferential_order) = character.of(&complex);
+        let kind = if number <= n_rigid { ModeKind::Rigid } else { kind };
+        list.push(Mode {
+            number,
+            frequency_rad_s: value.sqrt(),
+            frequency_hz: value.sqrt() / std::f64::consts::TAU,
+            kind,
+            circumferential_order,
+            relative_residual: spectrum.residual(value, x),
+            shape: shape(&assembly, &assembly.expand(&column), &energy_share),
+            energy_share,
+        });
+    }
+    let mut diagnostics = ignored_input(model);
+    if !spectrum.complete {
+        diagnostics.push(Diagnostic::error(
+            "sturm-count",
+            "a Sturm count disagrees with the number of modes found: a mode below the last one may be missing",
+        ));
+    }
+    let worst = list.iter().map(|m| m.relative_residual).fold(0.0, f64::max);
+    if worst > RESIDUAL {
+        diagnostics.push(Diagnostic::error(
+            "residual",
+            format!(
+                "a mode's residual is {worst:.1e} of |K||x|, above {RESIDUAL:.0e}: the digits beyond are lost"
+            ),
+        ));
+    }
+    if list.len() < model.modes {
+        diagnostics.push(Diagnostic::warning(
+            "few-modes",
+            format!("{} modes were asked for; the model has only {}", model.modes, list.len()),
+        ));
+    }
+    let mass = super::check::properties(model).mass();
+    let mut model_summary = summary(model, assembly.size(), mass);
+    model_summary
+        .left_out
+        .push("spin: modes are those of the shaft at rest (no gyroscopic matrix was built)".to_owned());
+    if assembly.has_material_damping()
+        || model.bearings.iter().any(|b| b.damping.iter().flatten().any(|c| *c != 0.0))
+    {
+        model_summary.left_out.push("damping: undamped natural modes".to_owned());
+    }
+    if model.bearings.iter().any(|b| b.stiffness[0][1] != b.stiffness[1][0]) {
+        diagnostics.push(Diagnostic::warning(
+            "cross-coupling-ignored",
+            "the skew part of the bearings' stiffness (cross-coupling) is left out of the natural modes",
+        ));
+    }
+    let results =
+        Modes { rigid_modes: n_rigid.min(list.len()), modes: list, sturm_count_agrees: spectrum.complete };
+    Ok(Outcome { results, model: model_summary, diagnostics })
+}
+
+/// Samples a mode for drawing: axis and twist along the shaft, the outline of one section.
+fn shape(assembly: &Assembly<'_>, q: &[f64], share: &EnergyShare) -> ModeShape {
+    let model = assembly.model;
+    let r = model.reference_length;
+    let mut shape = ModeShape::default();
+    let mut activity = (-1.0, 0, 0.0);
+    for (e, element) in model.elements.iter().enumerate() {
+        let section = &model.sections[element.section];
+        let weights = mean_weights(element.kind.section_order, section, r);
+        let last = e + 1 == model.elements.len();
+        for station in 0..STATIONS + usize::from(last) {
+            let xi = 2.0 * station as f64 / STATIONS as f64 - 1.0;
+            let field = field_at(assembly, q, e, xi);
+            let mean = |c: usize| weights.iter().enumerate().map(|(k, w)| w * field[(k, c)]).sum::<f64>();
+            let twist = (field[(1, 2)] - field[(2, 1)]) / 2.0 * section.outer_size() / r;
+            shape.x_m.push(element.x + element.length * station as f64 / STATIONS as f64);
+            shape.axis.push([mean(0), mean(1), mean(2)]);
+            shape.twist.push(twist);
+            // where to cut: the section that deforms (or moves) most
+            let moved: f64 = if share.section > 0.5 {
+                (1..field.nrows()).map(|k| (0..3).map(|c| field[(k, c)].powi(2)).sum::<f64>()).sum()
+            } else {
+                twist.powi(2) + (0..3).map(|c| mean(c).powi(2)).sum::<f64>()
+            };
+            if moved > activity.0 * (1.0 + 1e-9) {
+                activity = (moved, e, xi);
+            }
+        }
+    }
+    let (_, e, xi) = activity;
+    let element = &model.elements[e];
+    let section = &model.sections[element.section];
+    let field = field_at(assembly, q, e, xi);
+    let list = exponents(element.kind.section_order);
+    shape.section_x_m = element.x + element.length * (xi + 1.0) / 2.0;
+    for inner in [false, true].into_iter().take(1 + usize::from(section.is_hollow())) {
+        let outline = section.outline(inner, OUTLINE);
+        let displacement = |&[y, z]: &[f64; 2]| {
+            let values: Vec<f64> = list
+                .iter()
+                .map(|&(a, b)| {
+                    let factorials: f64 = (1..=a).chain(1..=b).map(|i| i as f64).product();
+                    (y / r).powi(a as i32) * (z / r).powi(b as i32) / factorials
+                })
+                .collect();
+            std::array::from_fn(|c| values.iter().enumerate().map(|(k, m)| m * field[(k, c)]).sum())
+        };
+        shape.outline_displacements.push(outline.iter().map(displacement).collect());
+        shape.outlines.push(outline);
+    }
+    scale(&mut shape);
+    shape
+}
+
+/// Section vectors (rows) at `xi` of an element.
+fn field_at(assembly: &Assembly<'_>, q: &[f64], e: usize, xi: f64) -> Mat<f64> {
+    let element = &assembly.model.elements[e];
+    let n_vectors = element.kind.n_vectors();
+    let index = assembly.element_coordinates(element);
+    let values: Vec<f64> = lagrange(element.kind.axial_degree).iter().map(|l| evaluate(l, xi)).collect();
+    Mat::from_fn(n_vectors, 3, |k, c| {
+        values.iter().enumerate().map(|(i, l)| l * q[index[(i * n_vectors + k) * 3 + c]]).sum()
+    })
+}
+
+/// Scales to a largest displacement of one.
+fn scale(shape: &mut ModeShape) {
+    let length = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let outline = shape.outline_displacements.iter().flatten().map(length);
+    let axis = shape.axis.iter().map(length);
+    let largest = outline.chain(axis).chain(shape.twist.iter().map(|t| t.abs())).fold(0.0, f64::max);
+    if largest > 0.0 {
+        shape.axis.iter_mut().flatten().for_each(|v| *v /= largest);
+        shape.twist.iter_mut().for_each(|v| *v /= largest);
+        shape.outline_displacements.iter_mut().flatten().flatten().for_each(|v| *v /= largest);
+    }
+}

@@ -1,0 +1,420 @@
+//! The spinning shaft on a small basis: natural modes with static corrections.
+//!
+//! Stationary frame, classical form: `M u'' + (C + Omega G) u' + (K + X + Omega H) u = 0` with C the
+//! damping, X the cross-coupling of the bearings and H the circulatory terms of material damping. The
+//! basis holds the rigid motions, the lowest modes phi and the corrections `K^+ G phi` (and those of
+//! damping and bearings), without which torsion and axial modes are off by up to 7e-4. With `v = q'` and
+//! `s = w q` an undamped state matrix is skew, so its eigenvectors are orthonormal.
+//! Source: docs/theory.md section 6.
+
+use super::spectrum::{Flexibility, Spectrum};
+use crate::assembly::Assembly;
+use crate::error::Result;
+use crate::linalg::dense::{general, self_adjoint};
+use crate::linalg::sparse::{Sparse, multiply};
+use crate::model::Gyroscopic;
+use crate::support::bearing_rows;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, MatRef, c64};
+
+/// Corrections of which less than this share (in energy) is new are not new directions.
+const DEPENDENT: f64 = 1e-12;
+/// Share of the energy of the largest of its kind below which a correction is rounding error.
+const ROUNDING: f64 = 1e-20;
+/// Imbalance (in energy, relative to the motion) below which a motion needs no correction.
+const BALANCED: f64 = 1e-16;
+
+/// Sparse operators of a spinning shaft; absent ones act nowhere.
+pub struct Operators {
+    /// `M`.
+    pub mass: Sparse,
+    /// `K`.
+    pub stiffness: Sparse,
+    /// `G` per unit spin speed; `None` without gyroscopic terms.
+    pub gyroscopic: Option<Sparse>,
+    /// `C`.
+    pub damping: Option<Sparse>,
+    /// `X`.
+    pub cross_coupling: Option<Sparse>,
+    /// `H` per unit spin speed.
+    pub circulatory: Option<Sparse>,
+    /// `W = M J`.
+    pub angular_momentum: Sparse,
+    /// Static forces of bearings that damp or couple, in columns.
+    bearing_forces: Mat<f64>,
+}
+
+impl Operators {
+    /// Builds the operators that the model requires.
+    pub fn new(assembly: &Assembly<'_>, spectrum: &Spectrum, gyroscopic: Gyroscopic) -> Self {
+        let present = |a: Sparse| (a.compute_nnz() > 0).then_some(a);
+        let active = assembly.model.bearings.iter().filter(|b| {
+            b.damping.iter().flatten().any(|c| *c != 0.0) || b.stiffness[0][1] != b.stiffness[1][0]
+        });
+        let forces: Vec<Vec<f64>> = active
+            .flat_map(|b| bearing_rows(assembly.model, &assembly.numbering, b))
+            .map(|row| assembly.force(&row))
+            .collect();
+        Self {
+            mass: spectrum.mass.clone(),
+            stiffness: spectrum.stiffness.clone(),
+            gyroscopic: present(assembly.gyroscopic(gyroscopic)),
+            damping: present(assembly.damping()),
+            cross_coupling: present(assembly.cross_coupling()),
+            circulatory: present(assembly.circulatory()),
+            angular_momentum: assembly.angular_momentum(),
+            bearing_forces: Mat::from_fn(assembly.size(), forces.len(), |i, j| forces[j][i]),
+        }
+    }
+
+    /// True when energy is conserved: the eigenvalues are imaginary and critical speeds are real.
+    pub fn is_conservative(&self) -> bool {
+        self.damping.is_none() && self.cross_coupling.is_none() && self.circulatory.is_none()
+    }
+
+    /// True when the eigenvalues change with the spin speed.
+    pub fn depends_on_speed(&self) -> bool {
+        self.gyroscopic.is_some() || self.circulatory.is_some()
+    }
+}
+
+/// One whirl motion `u exp(lambda t)` on the reduced basis.
+#[derive(Debug, Clone)]
+pub struct Whirling {
+    /// Eigenvalue, 1/s; the imaginary part is the damped frequency and positive.
+    pub lambda: c64,
+    /// Right eigenvector of the state matrix.
+    pub right: Vec<c64>,
+    /// Left eigenvector with `left^H right = 1`; `None` when it equals `right`.
+    pub left: Option<Vec<c64>>,
+    /// Angular momentum about x over that of a circular forward orbit of the same speed, in [-1, 1].
+    pub momentum: f64,
+}
+
+/// The oscillating motions at one speed, by ascending frequency.
+#[derive(Debug, Clone)]
+pub struct Solution {
+    /// Spin speed, rad/s.
+    pub speed: f64,
+    /// Motions.
+    pub motions: Vec<Whirling>,
+}
+
+/// The operators on a reduced basis.
+pub struct Reduced {
+    /// Basis in columns, mass-orthonormal: rigid motions first, then vectors with diagonal stiffness.
+    pub basis: Mat<f64>,
+    n_rigid: usize,
+    n_modes: usize,
+    /// Square roots of the diagonal stiffness; zero for rigid motions.
+    frequencies: Vec<f64>,
+    gyroscopic: Option<Mat<f64>>,
+    damping: Option<Mat<f64>>,
+    cross_coupling: Option<Mat<f64>>,
+    circulatory: Option<Mat<f64>>,
+    angular_momentum: Mat<f64>,
+}
+
+impl Reduced {
+    /// The `modes` lowest natural modes, and corrections for the lowest `corrected` of them.
+    ///
+    /// # Errors
+    /// When a small eigenproblem fails.
+    pub fn new(operators: &Operators, spectrum: &Spectrum, modes: usize, corrected: usize) -> Result<Self> {
+        let modes = modes.min(spectrum.values.len());
+        let kept = spectrum.vectors.get(.., ..modes);
+        let carriers = hstack(&[spectrum.flexibility.rigid.as_ref(), kept.get(.., ..corrected.min(modes))]);
+        let mut forces = vec![operators.bearing_forces.clone()];
+        let velocity_terms = [&operators.gyroscopic, &operators.circulatory];
+        forces.extend(velocity_terms.into_iter().flatten().map(|a| multiply(a, carriers.as_ref())));
+        if let (Some(damping), Some(_)) = (&operators.damping, &operators.circulatory) {
+            forces.push(multiply(damping, carriers.as_ref()));
+        }
+        let answers: Vec<Mat<f64>> = forces
+            .into_iter()
+            .map(|f| {
+                let answer = spectrum.flexibility.solve(f.clone());
+                let energy: Vec<f64> = (0..f.ncols()).map(|j| answer.col(j).transpose() * f.col(j)).collect();
+                let floor = ROUNDING * energy.iter().copied().fold(0.0, f64::max);
+                columns(&answer, |j| energy[j] > floor)
+            })
+            .collect();
+        let parts: Vec<MatRef<'_, f64>> = answers.iter().map(|f| f.as_ref()).collect();
+        let corrections = hstack(&parts);
+        let values = &spectrum.values[..modes];
+        Self::project(operators, &spectrum.flexibility, values, kept, corrections)
+    }
+
+    /// The basis extended by the static answer to what `targets` leave out of balance at `speed`, and the
+    /// largest energy norm of that answer relative to the motion's.
+    ///
+    /// # Errors
+    /// When a small eigenproblem fails.
+    pub fn refined(
+        &self,
+        operators: &Operators,
+        spectrum: &Spectrum,
+        speed: f64,
+        targets: &[Whirling],
+    ) -> Result<(Self, f64)> {
+        let shapes = self.shapes(targets);
+        let part =
+            |f: fn(&c64) -> f64| Mat::from_fn(shapes.nrows(), shapes.ncols(), |i, j| f(&shapes[(i, j)]));
+        let (real, imaginary) = (part(|z| z.re), part(|z| z.im));
+        // residual of lambda^2 M u + lambda (C + Omega G) u + (K + X + Omega H) u, by real and imaginary part
+        let products = |x: &Mat<f64>| -> [Mat<f64>; 3] {
+            let apply = |a: &Option<Sparse>, factor: f64, sum: &mut Mat<f64>| {
+                if let Some(a) = a {
+                    *sum += multiply(a, x.as_ref()) * faer::Scale(factor);
+                }
+            };
+            let mut on_velocity = Mat::zeros(x.nrows(), x.ncols());
+            apply(&operators.damping, 1.0, &mut on_velocity);
+            apply(&operators.gyroscopic, speed, &mut on_velocity);
+            let mut on_position = multiply(&operators.stiffness, x.as_ref());
+            apply(&operators.cross_coupling, 1.0, &mut on_position);
+            apply(&operators.circulatory, speed, &mut on_position);
+            [multiply(&operators.mass, x.as_ref()), on_velocity, on_position]
+        };
+        let (re, im) = (products(&real), products(&imaginary));
+        let residual = |i: usize, j: usize| {
+            let lambda = targets[j].lambda;
+            let z = |k: usize| c64::new(re[k][(i, j)], im[k][(i, j)]);
+            lambda * lambda * z(0) + lambda * z(1) + z(2)
+        };
+        let (n, m) = (real.nrows(), real.ncols());
+        let forces =
+            Mat::from_fn(n, 2 * m, |i, j| if j < m { residual(i, j).re } else { residual(i, j - m).im });
+        let answers = spectrum.flexibility.solve(forces.clone());
+        let stiffness = |x: &Mat<f64>, j: usize| -> f64 {
+            let k = multiply(&operators.stiffness, x.subcols(j, 1));
+            x.col(j).transpose() * k.col(0)
+        };
+        let energy = |j: usize| -> f64 { answers.col(j).transpose() * forces.col(j) };
+        let scale: Vec<f64> = (0..m).map(|j| stiffness(&real, j) + stiffness(&imaginary, j)).collect();
+        let imbalance = |j: usize| ((energy(j) + energy(j + m)).max(0.0) / scale[j]).sqrt();
+        let worst = (0..m).map(imbalance).fold(0.0, f64::max);
+        let answers = columns(&answers, |j| energy(j) > BALANCED * scale[j % m]);
+        // Only true modes are orthogonal in both M and K: earlier corrections are worked over again.
+        let end = self.n_rigid + self.n_modes;
+        let (modes, earlier) = (self.basis.get(.., self.n_rigid..end), self.basis.get(.., end..));
+        let values = &spectrum.values[..self.n_modes];
+        let corrections = hstack(&[earlier, answers.as_ref()]);
+        Ok((Self::project(operators, &spectrum.flexibility, values, modes, corrections)?, worst))
+    }
+
+    /// Projects the operators on rigid motions, `modes` (mass-orthonormal, with diagonal stiffness `values`)
+    /// and `corrections`.
+    fn project(
+        operators: &Operators,
+        flexibility: &Flexibility,
+        values: &[f64],
+        modes: MatRef<'_, f64>,
+        corrections: Mat<f64>,
+    ) -> Result<Self> {
+        let (extra, extra_values) = independent(operators, modes, values, corrections)?;
+        let basis = hstack(&[flexibility.rigid.as_ref(), modes, extra.as_ref()]);
+        let n_rigid = flexibility.rigid.ncols();
+        let mut frequencies = vec![0.0; n_rigid];
+        frequencies.extend(values.iter().chain(&extra_values).map(|v| v.sqrt()));
+        let reduce = |a: &Sparse| basis.transpose() * multiply(a, basis.as_ref());
+        Ok(Self {
+            gyroscopic: operators.gyroscopic.as_ref().map(|a| skew(reduce(a))),
+            damping: operators.damping.as_ref().map(reduce),
+            cross_coupling: operators.cross_coupling.as_ref().map(reduce),
+            circulatory: operators.circulatory.as_ref().map(reduce),
+            angular_momentum: skew(reduce(&operators.angular_momentum)),
+            basis,
+            n_rigid,
+            n_modes: values.len(),
+            frequencies,
+        })
+    }
+
+    /// The motions of this (finer) basis expressed on `target`, up to what `target` does not hold.
+    pub fn onto(&self, target: &Self, operators: &Operators, mut solution: Solution) -> Solution {
+        let map = target.basis.transpose() * multiply(&operators.mass, self.basis.as_ref());
+        let (n, r) = (self.size(), self.n_rigid);
+        let apply = |state: &[c64], power: i32| -> Vec<c64> {
+            let velocity = (0..target.size()).map(|i| (0..n).map(|j| state[j] * map[(i, j)]).sum());
+            let strain = (r..target.size()).map(|i| {
+                let weight = |j: usize| (target.frequencies[i] / self.frequencies[j]).powi(power);
+                (r..n).map(|j| state[n - r + j] * (map[(i, j)] * weight(j))).sum()
+            });
+            velocity.chain(strain).collect()
+        };
+        for motion in &mut solution.motions {
+            motion.right = apply(&motion.right, 1);
+            motion.left = motion.left.take().map(|left| apply(&left, -1));
+        }
+        solution
+    }
+
+    /// Number of rigid motions that stay at zero frequency at a spin speed (a rigid tilt that whirls
+    /// takes one of a pair with it).
+    ///
+    /// # Errors
+    /// When a small eigenproblem fails.
+    pub fn zero_frequencies(&self, speed: f64) -> Result<usize> {
+        let r = self.n_rigid;
+        let turning = |i: usize, j: usize| self.gyroscopic.as_ref().map_or(0.0, |g| speed * g[(i, j)]);
+        let block = Mat::from_fn(r, r, |i, j| c64::new(0.0, turning(i, j)));
+        Ok(self_adjoint(block.as_ref())?.0.iter().filter(|v| **v <= 1e-9 * speed).count())
+    }
+
+    /// Size of the basis.
+    pub fn size(&self) -> usize {
+        self.frequencies.len()
+    }
+
+    /// Shapes `u` of motions in free coordinates, in columns.
+    pub fn shapes(&self, motions: &[Whirling]) -> Mat<c64> {
+        let weights = |f: fn(&c64) -> f64| {
+            Mat::from_fn(self.size(), motions.len(), |i, j| f(&(motions[j].right[i] / motions[j].lambda)))
+        };
+        let (re, im) = (&self.basis * weights(|z| z.re), &self.basis * weights(|z| z.im));
+        Mat::from_fn(re.nrows(), re.ncols(), |i, j| c64::new(re[(i, j)], im[(i, j)]))
+    }
+
+    /// State matrix for `(v, s)`: `v' = -(C + Omega G) v - w s - (X + Omega H) q`, `s' = w v`.
+    fn state_matrix(&self, speed: f64) -> Mat<f64> {
+        let (n, r) = (self.size(), self.n_rigid);
+        let w = &self.frequencies;
+        let entry = |a: &Option<Mat<f64>>, i: usize, j: usize| a.as_ref().map_or(0.0, |a| a[(i, j)]);
+        Mat::from_fn(2 * n - r, 2 * n - r, |i, j| match (i < n, j < n) {
+            (true, true) => -entry(&self.damping, i, j) - speed * entry(&self.gyroscopic, i, j),
+            (true, false) => {
+                let k = j - n + r;
+                let turning = entry(&self.cross_coupling, i, k) + speed * entry(&self.circulatory, i, k);
+                -(if i == k { w[k] } else { 0.0 }) - turning / w[k]
+            }
+            (false, true) => {
+                if i - n + r == j {
+                    w[j]
+                } else {
+                    0.0
+                }
+            }
+            (false, false) => 0.0,
+        })
+    }
+
+    /// All oscillating motions at a spin speed.
+    ///
+    /// # Errors
+    /// When the small eigenproblem fails.
+    pub fn solve(&self, speed: f64) -> Result<Solution> {
+        let a = self.state_matrix(speed);
+        let conservative =
+            self.damping.is_none() && self.cross_coupling.is_none() && self.circulatory.is_none();
+        let first = self.frequencies.get(self.n_rigid).copied().unwrap_or(0.0);
+        let zero = 1e-6 * first;
+        let mut motions: Vec<Whirling> = if conservative {
+            let hermitian = Mat::from_fn(a.nrows(), a.ncols(), |i, j| c64::new(0.0, a[(i, j)]));
+            let (values, vectors) = self_adjoint(hermitian.as_ref())?;
+            let oscillating = (0..values.len()).filter(|&k| values[k] < -zero);
+            oscillating
+                .map(|k| Whirling {
+                    lambda: c64::new(0.0, -values[k]),
+                    right: column(vectors.as_ref(), k),
+                    left: None,
+                    momentum: 0.0,
+                })
+                .collect()
+        } else {
+            let (values, vectors) = general(a.as_ref())?;
+            // rows of the inverse are the left vectors' conjugate transposes
+            let inverse = vectors.partial_piv_lu().solve(Mat::<c64>::identity(a.nrows(), a.nrows()));
+            let oscillating = (0..values.len()).filter(|&k| values[k].im > zero);
+            oscillating
+                .map(|k| Whirling {
+                    lambda: values[k],
+                    right: column(vectors.as_ref(), k),
+                    left: Some((0..a.nrows()).map(|i| inverse[(k, i)].conj()).collect()),
+                    momentum: 0.0,
+                })
+                .collect()
+        };
+        for motion in &mut motions {
+            motion.momentum = self.momentum(&motion.right);
+        }
+        motions.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
+        Ok(Solution { speed, motions })
+    }
+
+    fn momentum(&self, state: &[c64]) -> f64 {
+        let n = self.size();
+        let (mut turning, mut moving) = (0.0, 0.0);
+        for j in 0..n {
+            let sum: c64 = (0..n).map(|i| state[i].conj() * self.angular_momentum[(i, j)]).sum();
+            turning += (sum * state[j]).im;
+            moving += state[j].norm_sqr();
+        }
+        if moving > 0.0 { turning / moving } else { 0.0 }
+    }
+}
+
+fn column(a: MatRef<'_, c64>, j: usize) -> Vec<c64> {
+    a.col(j).iter().copied().collect()
+}
+
+/// Removes rounding from a matrix that is skew by construction.
+fn skew(a: Mat<f64>) -> Mat<f64> {
+    Mat::from_fn(a.nrows(), a.ncols(), |i, j| (a[(i, j)] - a[(j, i)]) / 2.0)
+}
+
+/// The columns for which `keep` holds.
+fn columns(a: &Mat<f64>, keep: impl Fn(usize) -> bool) -> Mat<f64> {
+    let kept: Vec<usize> = (0..a.ncols()).filter(|&j| keep(j)).collect();
+    Mat::from_fn(a.nrows(), kept.len(), |i, j| a[(i, kept[j])])
+}
+
+/// Columns side by side.
+fn hstack(parts: &[MatRef<'_, f64>]) -> Mat<f64> {
+    let rows = parts.first().map_or(0, |p| p.nrows());
+    let mut result = Mat::zeros(rows, parts.iter().map(|p| p.ncols()).sum());
+    let mut at = 0;
+    for part in parts {
+        result.get_mut(.., at..at + part.ncols()).copy_from(part);
+        at += part.ncols();
+    }
+    result
+}
+
+/// The part of `corrections` that is new beside `modes`, mass-orthonormal and with diagonal stiffness.
+fn independent(
+    operators: &Operators,
+    modes: MatRef<'_, f64>,
+    values: &[f64],
+    corrections: Mat<f64>,
+) -> Result<(Mat<f64>, Vec<f64>)> {
+    let mut x = corrections;
+    // The answers to forces of very different size count alike: each to unit energy first.
+    for j in 0..x.ncols() {
+        let k = multiply(&operators.stiffness, x.subcols(j, 1));
+        let energy: f64 = x.col(j).transpose() * k.col(0);
+        let scale = if energy > 0.0 { 1.0 / energy.sqrt() } else { 0.0 };
+        x.col_mut(j).iter_mut().for_each(|v| *v *= scale);
+    }
+    // Modes are orthogonal in M and K; work in K, where corrections are shorter by nature of a static answer.
+    for _ in 0..2 {
+        let mut share = modes.transpose() * multiply(&operators.stiffness, x.as_ref());
+        for (i, value) in values.iter().enumerate() {
+            share.row_mut(i).iter_mut().for_each(|v| *v /= *value);
+        }
+        x -= modes * share;
+    }
+    let gram = x.transpose() * multiply(&operators.stiffness, x.as_ref());
+    let (energies, directions) = self_adjoint(gram.as_ref())?;
+    let kept: Vec<usize> = (0..energies.len()).filter(|&i| energies[i] > DEPENDENT).collect();
+    let turn =
+        Mat::from_fn(x.ncols(), kept.len(), |i, j| directions[(i, kept[j])] / energies[kept[j]].sqrt());
+    let x = &x * turn;
+    // Now x^T K x = I: the eigenvalues of x^T M x are the inverse squares of the frequencies.
+    let mass = x.transpose() * multiply(&operators.mass, x.as_ref());
+    let (flexibilities, directions) = self_adjoint(mass.as_ref())?;
+    let kept: Vec<usize> = (0..flexibilities.len()).rev().filter(|&i| flexibilities[i] > 0.0).collect();
+    let turn =
+        Mat::from_fn(x.ncols(), kept.len(), |i, j| directions[(i, kept[j])] / flexibilities[kept[j]].sqrt());
+    Ok((&x * turn, kept.iter().map(|&i| 1.0 / flexibilities[i]).collect()))
+}

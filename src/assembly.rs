@@ -1,0 +1,485 @@
+//! From a model to sparse matrices in the free coordinates.
+//!
+//! Constraints hold within single nodes and are eliminated: `q = T z` with z a subset of the
+//! coordinates, `A_free = T^T A T`. Matrices are accumulated in column profiles (the shaft is a chain, so
+//! the profile is narrow) and stored without exact zeros, which uncouples the planes of symmetry.
+//! Each matrix is built only when an analysis asks for it.
+
+use crate::element::ElementMatrices;
+use crate::element::basis::rotation_matrix;
+use crate::linalg::sparse::{Sparse, from_columns};
+use crate::model::{Element, Gyroscopic, Material, Model};
+use crate::support::{self, Contribution, Numbering};
+use faer::Mat;
+use nalgebra::DMatrix;
+
+/// Relative size below which a constraint or a motion counts as zero.
+const ROUNDING: f64 = 1e-9;
+
+/// A model with its numbering, constraints and the matrices of its distinct elements.
+pub struct Assembly<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// Coordinates before constraints.
+    pub numbering: Numbering,
+    /// `T`: every coordinate as a sum over free coordinates.
+    expansion: Vec<Vec<(usize, f64)>>,
+    /// Index before constraints of every free coordinate.
+    free: Vec<usize>,
+    /// Matrices of the distinct elements.
+    distinct: Vec<ElementMatrices>,
+    /// Which of them each element uses.
+    element_type: Vec<usize>,
+    /// Node and coefficients (over its coordinates) of every constraint.
+    constraints: Vec<(usize, Vec<f64>)>,
+}
+
+impl<'a> Assembly<'a> {
+    /// Numbers the coordinates, eliminates the constraints and computes each distinct element once.
+    pub fn new(model: &'a Model) -> Self {
+        let numbering = Numbering::new(model);
+        let (expansion, free, constraints) = eliminate(model, &numbering);
+        Self::with(model, numbering, expansion, free, constraints)
+    }
+
+    /// The same without any support: all coordinates free, rigid hubs not constrained.
+    pub fn unconstrained(model: &'a Model) -> Self {
+        let numbering = Numbering::new(model);
+        let expansion = (0..numbering.len()).map(|i| vec![(i, 1.0)]).collect();
+        let free = (0..numbering.len()).collect();
+        Self::with(model, numbering, expansion, free, Vec::new())
+    }
+
+    fn with(
+        model: &'a Model,
+        numbering: Numbering,
+        expansion: Vec<Vec<(usize, f64)>>,
+        free: Vec<usize>,
+        constraints: Vec<(usize, Vec<f64>)>,
+    ) -> Self {
+        let mut keys: Vec<&Element> = Vec::new();
+        let same = |a: &Element, b: &Element| {
+            (a.kind, a.section, a.material) == (b.kind, b.section, b.material)
+                && (a.length - b.length).abs() <= 1e-13 * b.length
+        };
+        let element_type = model
+            .elements
+            .iter()
+            .map(|e| {
+                keys.iter().position(|k| same(k, e)).unwrap_or_else(|| {
+                    keys.push(e);
+                    keys.len() - 1
+                })
+            })
+            .collect();
+        let distinct = keys
+            .iter()
+            .map(|e| {
+                let (section, material) = (&model.sections[e.section], &model.materials[e.material]);
+                ElementMatrices::new(e.kind, section, material, e.length, model.reference_length)
+            })
+            .collect();
+        Self { model, numbering, expansion, free, distinct, element_type, constraints }
+    }
+
+    /// Number of free coordinates.
+    pub fn size(&self) -> usize {
+        self.free.len()
+    }
+
+    /// Coordinates before constraints, `q = T z`.
+    pub fn expand(&self, z: &[f64]) -> Vec<f64> {
+        self.expansion.iter().map(|row| row.iter().map(|&(j, c)| c * z[j]).sum()).collect()
+    }
+
+    /// The free coordinates among all coordinates `q` (the inverse of [`Self::expand`] where q satisfies
+    /// the constraints).
+    pub fn restrict(&self, q: &[f64]) -> Vec<f64> {
+        self.free.iter().map(|&i| q[i]).collect()
+    }
+
+    /// Matrices of one element.
+    pub fn element_matrices(&self, element: usize) -> &ElementMatrices {
+        &self.distinct[self.element_type[element]]
+    }
+
+    /// Coordinates of an element before constraints, in its own order.
+    pub fn element_coordinates(&self, element: &Element) -> Vec<usize> {
+        let n_vectors = element.kind.n_vectors();
+        (element.first_node..=element.first_node + element.kind.axial_degree)
+            .flat_map(|node| {
+                let start = self.numbering.index(node, 0, 0);
+                start..start + 3 * n_vectors
+            })
+            .collect()
+    }
+
+    /// Mass of shaft and disks, symmetric positive definite.
+    pub fn mass(&self) -> Sparse {
+        self.build(Some(&|_, m| m.mass.clone()), support::disk_mass(self.model, &self.numbering))
+    }
+
+    /// Stiffness about the undeformed state: shaft, hubs and the symmetric part of the bearings.
+    pub fn stiffness(&self) -> Sparse {
+        let mut nodal = support::hub_stiffness(self.model, &self.numbering);
+        nodal.extend(self.bearings(|b| symmetric_part(b.stiffness)));
+        self.build(Some(&|_, m| m.stiffness.clone()), nodal)
+    }
+
+    /// Skew part of the bearings' stiffness (cross-coupling).
+    pub fn cross_coupling(&self) -> Sparse {
+        let nodal = self.bearings(|b| {
+            let half = (b.stiffness[0][1] - b.stiffness[1][0]) / 2.0;
+            [[0.0, half], [-half, 0.0]]
+        });
+        self.build(None, nodal)
+    }
+
+    /// Gyroscopic matrix per unit spin speed.
+    pub fn gyroscopic(&self, whose: Gyroscopic) -> Sparse {
+        let disks = match whose {
+            Gyroscopic::None => Vec::new(),
+            _ => support::disk_gyroscopic(self.model, &self.numbering),
+        };
+        let shaft: &dyn Fn(&Material, &ElementMatrices) -> Mat<f64> = &|_, m| m.gyroscopic.clone();
+        self.build((whose == Gyroscopic::All).then_some(shaft), disks)
+    }
+
+    /// `W = M J`, skew: a mode `u exp(i w t)` has the mean angular momentum `w/2 Im(u^H W u)` about x.
+    pub fn angular_momentum(&self) -> Sparse {
+        let mut nodal = support::disk_mass(self.model, &self.numbering);
+        nodal.iter_mut().for_each(|part| part.matrix = times_cross(&part.matrix));
+        self.build(Some(&|_, m| times_cross(&m.mass)), nodal)
+    }
+
+    /// Spin-softening matrix per unit spin speed squared.
+    pub fn spin_softening(&self) -> Sparse {
+        let disks = support::disk_softening(self.model, &self.numbering);
+        self.build(Some(&|_, m| m.spin_softening.clone()), disks)
+    }
+
+    /// Damping matrix at rest: bearings, `beta K` and `alpha M` of the materials.
+    pub fn damping(&self) -> Sparse {
+        let material = |material: &Material, m: &ElementMatrices| {
+            &m.stiffness * faer::Scale(material.stiffness_damping)
+                + &m.mass * faer::Scale(material.mass_damping)
+        };
+        self.build(self.has_material_damping().then_some(&material), self.bearings(|b| b.damping))
+    }
+
+    /// What spin adds to the material damping forces, per unit spin speed, on displacements:
+    /// `beta K (D_theta - J) + alpha G / 2` (stationary frame; docs/theory.md section 6).
+    pub fn circulatory(&self) -> Sparse {
+        let material = |material: &Material, m: &ElementMatrices| {
+            let convected = &m.stiffness * convection(m.stiffness.nrows(), self.order_of(m));
+            convected * faer::Scale(material.stiffness_damping)
+                + &m.gyroscopic * faer::Scale(material.mass_damping / 2.0)
+        };
+        self.build(self.has_material_damping().then_some(&material), Vec::new())
+    }
+
+    /// True when a material of the shaft has damping.
+    pub fn has_material_damping(&self) -> bool {
+        self.model.materials.iter().any(|m| m.stiffness_damping != 0.0 || m.mass_damping != 0.0)
+    }
+
+    fn order_of(&self, matrices: &ElementMatrices) -> usize {
+        let of = |e: usize| std::ptr::eq(self.element_matrices(e), matrices);
+        (0..self.model.elements.len())
+            .find(|&e| of(e))
+            .map_or(1, |e| self.model.elements[e].kind.section_order)
+    }
+
+    fn bearings(&self, law: impl Fn(&crate::model::Bearing) -> [[f64; 2]; 2]) -> Vec<Contribution> {
+        support::bearing_contributions(self.model, &self.numbering, law)
+    }
+
+    /// A row over all coordinates as a column vector in the free ones, `T^T row`.
+    pub fn force(&self, row: &[(usize, f64)]) -> Vec<f64> {
+        let mut force = vec![0.0; self.size()];
+        for &(i, value) in row {
+            for &(j, c) in &self.expansion[i] {
+                force[j] += c * value;
+            }
+        }
+        force
+    }
+
+    /// Sums element and nodal contributions, `T^T A T`.
+    fn build(
+        &self,
+        shaft: Option<&dyn Fn(&Material, &ElementMatrices) -> Mat<f64>>,
+        nodal: Vec<Contribution>,
+    ) -> Sparse {
+        let mut matrices: Vec<Option<Mat<f64>>> = self.distinct.iter().map(|_| None).collect();
+        let mut coordinates = Vec::new();
+        if let Some(shaft) = shaft {
+            for (e, element) in self.model.elements.iter().enumerate() {
+                let kind = self.element_type[e];
+                let material = &self.model.materials[element.material];
+                matrices[kind].get_or_insert_with(|| shaft(material, &self.distinct[kind]));
+                coordinates.push((self.element_coordinates(element), kind));
+            }
+        }
+        let elements = coordinates.iter().filter_map(|(c, kind)| matrices[*kind].as_ref().map(|m| (c, m)));
+        let parts: Vec<(&Vec<usize>, &Mat<f64>)> =
+            elements.chain(nodal.iter().map(|n| (&n.coordinates, &n.matrix))).collect();
+        self.accumulate(&parts)
+    }
+
+    fn accumulate(&self, parts: &[(&Vec<usize>, &Mat<f64>)]) -> Sparse {
+        let n = self.size();
+        let free_of =
+            |c: &[usize]| c.iter().flat_map(|&i| self.expansion[i].iter().map(|&(j, _)| j)).collect();
+        let mut profile = vec![(usize::MAX, 0); n];
+        for (coordinates, _) in parts {
+            let columns: Vec<usize> = free_of(coordinates);
+            let Some((&low, &high)) = columns.iter().min().zip(columns.iter().max()) else { continue };
+            for j in columns {
+                profile[j] = (profile[j].0.min(low), profile[j].1.max(high + 1));
+            }
+        }
+        let mut starts = vec![0];
+        for &(low, high) in &profile {
+            starts.push(starts[starts.len() - 1] + high.saturating_sub(low));
+        }
+        let mut values = vec![0.0; starts[n]];
+        for (coordinates, matrix) in parts {
+            for (b, &column) in coordinates.iter().enumerate() {
+                for &(j, cj) in &self.expansion[column] {
+                    let start = starts[j] - profile[j].0;
+                    for (a, &row) in coordinates.iter().enumerate() {
+                        let value = matrix[(a, b)];
+                        if value != 0.0 {
+                            for &(i, ci) in &self.expansion[row] {
+                                values[start + i] += ci * value * cj;
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        let (mut column_starts, mut rows, mut kept) = (vec![0], Vec::new(), Vec::new());
+        for j in 0..n {
+            for (offset, &value) in values[starts[j]..starts[j + 1]].iter().enumerate() {
+                if value != 0.0 {
+                    rows.push(profile[j].0 + offset);
+                    kept.push(value);
+                }
+            }
+            column_starts.push(rows.len());
+        }
+        from_columns(n, column_starts, rows, kept)
+    }
+
+    /// The six rigid motions (translations x, y, z; rotations about x, y, z through the left end) in
+    /// all coordinates: displacement in m for a unit translation, and for a rotation of one over the length.
+    fn all_rigid_motions(&self) -> [Vec<f64>; 6] {
+        let (r, l) = (self.model.reference_length, self.model.length);
+        std::array::from_fn(|motion| {
+            let mut q = vec![0.0; self.numbering.len()];
+            for (node, at) in self.model.nodes.iter().enumerate() {
+                let mut set =
+                    |vector, component, value| q[self.numbering.index(node, vector, component)] = value;
+                match motion {
+                    0..=2 => set(0, motion, 1.0),
+                    3 => {
+                        set(1, 2, r / l);
+                        set(2, 1, -r / l);
+                    }
+                    4 => {
+                        set(0, 2, -at.x / l);
+                        set(2, 0, r / l);
+                    }
+                    _ => {
+                        set(0, 1, at.x / l);
+                        set(1, 0, -r / l);
+                    }
+                }
+            }
+            q
+        })
+    }
+
+    /// Rigid motions that no constraint and no bearing stiffness resists: their names, and the free
+    /// coordinates in columns.
+    pub fn rigid_motions(&self) -> (Vec<String>, Mat<f64>) {
+        let motions = self.all_rigid_motions();
+        let mut rows: Vec<[f64; 6]> = Vec::new();
+        for (node, row) in &self.constraints {
+            let at = self.numbering.of_node(*node);
+            rows.push(std::array::from_fn(|m| {
+                row.iter().zip(&motions[m][at.clone()]).map(|(a, b)| a * b).sum()
+            }));
+        }
+        for bearing in &self.model.bearings {
+            let [y, z] = support::bearing_rows(self.model, &self.numbering, bearing);
+            let felt =
+                |row: &[(usize, f64)], m: usize| row.iter().map(|&(i, w)| w * motions[m][i]).sum::<f64>();
+            let [[kyy, kyz], [kzy, kzz]] = bearing.stiffness;
+            for [a, b] in [[kyy, kyz], [kzy, kzz], [kyy, kzy], [kyz, kzz]] {
+                let scale = a.abs().max(b.abs());
+                if scale > 0.0 {
+                    rows.push(std::array::from_fn(|m| (a * felt(&y, m) + b * felt(&z, m)) / scale));
+                }
+            }
+        }
+        let null = null_space(&rows);
+        let names = null.iter().map(|c| motion_name(c)).collect();
+        let columns: Vec<Vec<f64>> = null
+            .iter()
+            .map(|c| {
+                let q: Vec<f64> =
+                    (0..self.numbering.len()).map(|i| (0..6).map(|m| c[m] * motions[m][i]).sum()).collect();
+                self.restrict(&q)
+            })
+            .collect();
+        (names, Mat::from_fn(self.size(), columns.len(), |i, j| columns[j][i]))
+    }
+}
+
+/// `A J` for coordinates in triples, `J u = e_x x u`.
+fn times_cross(a: &Mat<f64>) -> Mat<f64> {
+    Mat::from_fn(a.nrows(), a.ncols(), |i, j| match j % 3 {
+        1 => a[(i, j + 1)],
+        2 => -a[(i, j - 1)],
+        _ => 0.0,
+    })
+}
+
+fn symmetric_part(k: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    let off = (k[0][1] + k[1][0]) / 2.0;
+    [[k[0][0], off], [off, k[1][1]]]
+}
+
+/// `D_theta - J` on element coordinates: what spin adds to the rate of strain, per unit speed.
+fn convection(size: usize, order: usize) -> Mat<f64> {
+    let turn = rotation_matrix(order);
+    let n_vectors = turn.nrows();
+    Mat::from_fn(size, size, |i, j| {
+        let (vi, vj) = (i / 3, j / 3);
+        if vi / n_vectors != vj / n_vectors {
+            return 0.0;
+        }
+        let (k, l, c, d) = (vi % n_vectors, vj % n_vectors, i % 3, j % 3);
+        let moved = if c == d { turn[(k, l)] } else { 0.0 };
+        let turned = if k != l {
+            0.0
+        } else {
+            match (c, d) {
+                (1, 2) => -1.0,
+                (2, 1) => 1.0,
+                _ => 0.0,
+            }
+        };
+        moved - turned
+    })
+}
+
+type Elimination = (Vec<Vec<(usize, f64)>>, Vec<usize>, Vec<(usize, Vec<f64>)>);
+
+/// Eliminates the constraints of each node by Gauss-Jordan with full pivoting; dependent rows drop out.
+/// Returns T by rows, the free coordinates, and the constraint rows for later use.
+fn eliminate(model: &Model, numbering: &Numbering) -> Elimination {
+    let mut expansion = vec![Vec::new(); numbering.len()];
+    let (mut free, mut constraints) = (Vec::new(), Vec::new());
+    for node in 0..model.nodes.len() {
+        let rows = support::constraint_rows(model, node);
+        let start = numbering.index(node, 0, 0);
+        let size = 3 * model.nodes[node].n_vectors;
+        let reduced = reduce(rows.clone());
+        constraints.extend(rows.into_iter().map(|row| (node, row)));
+        let is_pivot = |i: usize| reduced.iter().any(|(pivot, _)| *pivot == i);
+        let first_free = free.len();
+        free.extend((0..size).filter(|&i| !is_pivot(i)).map(|i| start + i));
+        for (offset, &i) in free[first_free..].iter().enumerate() {
+            expansion[i] = vec![(first_free + offset, 1.0)];
+        }
+        for (pivot, row) in &reduced {
+            expansion[start + pivot] = free[first_free..]
+                .iter()
+                .enumerate()
+                .filter(|(_, i)| row[**i - start] != 0.0)
+                .map(|(offset, i)| (first_free + offset, -row[i - start]))
+                .collect();
+        }
+    }
+    (expansion, free, constraints)
+}
+
+/// Reduced row echelon form: `(pivot column, row with 1 at the pivot and 0 at the other pivots)`.
+fn reduce(mut rows: Vec<Vec<f64>>) -> Vec<(usize, Vec<f64>)> {
+    for row in &mut rows {
+        let largest = row.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        row.iter_mut().for_each(|v| *v /= if largest > 0.0 { largest } else { 1.0 });
+    }
+    let mut done: Vec<(usize, Vec<f64>)> = Vec::new();
+    while !rows.is_empty() {
+        let mut best = (0, 0, 0.0);
+        for (r, row) in rows.iter().enumerate() {
+            for (c, v) in row.iter().enumerate() {
+                if v.abs() > best.2 {
+                    best = (r, c, v.abs());
+                }
+            }
+        }
+        let (r, pivot, size) = best;
+        if size < ROUNDING {
+            break;
+        }
+        let mut row = rows.swap_remove(r);
+        let scale = row[pivot];
+        row.iter_mut().for_each(|v| *v /= scale);
+        for other in rows.iter_mut().chain(done.iter_mut().map(|d| &mut d.1)) {
+            let factor = other[pivot];
+            if factor != 0.0 {
+                other.iter_mut().zip(&row).for_each(|(a, b)| *a -= factor * b);
+                other[pivot] = 0.0;
+            }
+        }
+        done.push((pivot, row));
+    }
+    done
+}
+
+/// Combinations of six motions that every row leaves at zero, as simple as possible.
+fn null_space(rows: &[[f64; 6]]) -> Vec<[f64; 6]> {
+    let scaled: Vec<f64> = rows
+        .iter()
+        .filter_map(|row| {
+            let norm = row.iter().map(|v| v * v).sum::<f64>().sqrt();
+            (norm > ROUNDING * ROUNDING).then(|| row.map(|v| v / norm))
+        })
+        .flatten()
+        .collect();
+    let matrix = DMatrix::from_row_slice(scaled.len() / 6, 6, &scaled);
+    // The Gram matrix would square the conditioning; the row echelon form of a QR's R does not.
+    let r = matrix.qr().unpack_r();
+    let rows = (0..r.nrows()).map(|i| r.row(i).iter().copied().collect()).collect();
+    let reduced = reduce(rows);
+    (0..6)
+        .filter(|i| !reduced.iter().any(|(pivot, _)| pivot == i))
+        .map(|i| {
+            let mut motion = [0.0; 6];
+            motion[i] = 1.0;
+            for (pivot, row) in &reduced {
+                motion[*pivot] = -row[i];
+            }
+            motion
+        })
+        .collect()
+}
+
+fn motion_name(motion: &[f64; 6]) -> String {
+    const NAMES: [&str; 6] = [
+        "translation along x",
+        "translation along y",
+        "translation along z",
+        "rotation about x",
+        "rotation about y",
+        "rotation about z",
+    ];
+    let parts: Vec<&str> =
+        NAMES.iter().zip(motion).filter(|(_, c)| c.abs() > ROUNDING).map(|(name, _)| *name).collect();
+    parts.join(" with ")
+}

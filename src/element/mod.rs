@@ -1,0 +1,53 @@
+//! The element family: axial Lagrange polynomials times section monomials.
+//!
+//! Element coordinates are ordered node by node, vector by vector, component by component:
+//! `index = (node * n_vectors + vector) * 3 + component`. The vector of the section monomial
+//! `y^a z^b / (a! b!)` is the derivative `r_,(y^a z^b)` of the position, scaled by `R^(a+b)` (R the
+//! reference length of the shaft), so that every unknown is a length.
+
+pub mod basis;
+pub mod continuum;
+pub mod inertia;
+pub mod structural;
+
+use crate::model::{ElementKind, Law, Material};
+use crate::section::Section;
+use faer::Mat;
+
+/// Constant matrices of one element in scaled coordinates, each `3 n_nodes n_vectors` square.
+#[derive(Debug, Clone)]
+pub struct ElementMatrices {
+    /// `M`, symmetric positive definite; kg.
+    pub mass: Mat<f64>,
+    /// `G` per unit spin speed, skew for axisymmetric sections; kg.
+    pub gyroscopic: Mat<f64>,
+    /// `N` per unit spin speed squared, symmetric; kg.
+    pub spin_softening: Mat<f64>,
+    /// `K0`, the stiffness about the undeformed state, symmetric; N/m.
+    pub stiffness: Mat<f64>,
+}
+
+impl ElementMatrices {
+    /// Matrices of an element of the given length (m); `reference_length` is R (m).
+    pub fn new(
+        kind: ElementKind,
+        section: &Section,
+        material: &Material,
+        length: f64,
+        reference_length: f64,
+    ) -> Self {
+        let axial = basis::AxialProducts::new(kind.axial_degree, length);
+        let plane = basis::SectionProducts::new(kind.section_order, section, reference_length);
+        let stiffness = match kind.law {
+            Law::Continuum => continuum::stiffness(&continuum::isotropic(material), &axial, &plane),
+            Law::Split => continuum::split_stiffness(section, material, &axial, &plane),
+            Law::Structural => structural::stiffness(section, material, &axial, reference_length),
+        };
+        Self {
+            mass: inertia::mass(material.density, &axial, &plane),
+            gyroscopic: inertia::gyroscopic(material.density, &axial, &plane),
+            spin_softening: inertia::spin_softening(material.density, &axial, &plane),
+            stiffness,
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! Lowest eigenpairs of `K x = lambda B x` by block Lanczos on `K^-1 B`, K symmetric positive definite.
+//!
+//! The basis is orthonormal in the energy product of K (two passes against every earlier block), so B
+//! may be indefinite: the largest positive `theta = 1/lambda` are wanted. Blocks find copies of multiple
+//! eigenvalues; the caller proves completeness by a Sturm count and may ask for more.
+
+use super::dense::self_adjoint;
+use crate::error::{Error, Result};
+use faer::{Mat, MatRef};
+
+/// Vectors a block.
+const BLOCK: usize = 6;
+/// Relative residual at which a Ritz pair counts as converged; the eigenvalue's error is its square.
+const TOLERANCE: f64 = 1e-11;
+
+/// The operators of `K x = lambda B x`, applied to blocks of columns.
+pub struct Pencil<'a> {
+    /// Number of unknowns.
+    pub size: usize,
+    /// Largest possible number of independent eigenvectors (size less the directions left out by `solve`).
+    pub rank: usize,
+    /// `K X`.
+    pub apply_k: &'a dyn Fn(MatRef<'_, f64>) -> Mat<f64>,
+    /// `B X`.
+    pub apply_b: &'a dyn Fn(MatRef<'_, f64>) -> Mat<f64>,
+    /// `K^-1 F`, on the complement of the null space of K.
+    pub solve: &'a dyn Fn(Mat<f64>) -> Mat<f64>,
+}
+
+/// Eigenpairs with the smallest positive lambda, ascending; vectors in columns with `x^T K x = lambda`
+/// (for a positive B this is `x^T B x = 1`).
+pub struct Eigenpairs {
+    /// Eigenvalues, ascending.
+    pub values: Vec<f64>,
+    /// Eigenvectors in columns.
+    pub vectors: Mat<f64>,
+}
+
+/// The `wanted` smallest positive eigenvalues (fewer if there are fewer).
+///
+/// # Errors
+/// When they do not converge within the largest basis.
+pub fn lowest(pencil: &Pencil<'_>, wanted: usize) -> Result<Eigenpairs> {
+    let wanted = wanted.min(pencil.rank);
+    let limit = pencil.rank.min(8 * wanted + 40 * BLOCK);
+    let mut random = Random(0x9E37_79B9_7F4A_7C15);
+    let mut start = || (pencil.solve)((pencil.apply_b)(random.block(pencil.size, BLOCK).as_ref()));
+    let mut basis: Mat<f64> = Mat::zeros(pencil.size, 0);
+    let mut projected: Mat<f64> = Mat::zeros(0, 0);
+    let mut block = orthonormal(pencil, basis.as_ref(), start())?.0;
+    for step in 1.. {
+        let room = limit - basis.ncols();
+        append(&mut basis, block.get(.., ..block.ncols().min(room)));
+        let added = block.ncols().min(room);
+        let image = (pencil.apply_b)(basis.get(.., basis.ncols() - added..));
+        border(&mut projected, basis.transpose() * &image);
+        let (next, coupling) = orthonormal(pencil, basis.as_ref(), (pencil.solve)(image))?;
+
+        let full = basis.ncols() == limit;
+        let exhausted = full && limit == pencil.rank;
+        if basis.ncols() >= wanted && (full || step % 3 == 0 || next.ncols() == 0) {
+            let (thetas, weights) = self_adjoint(projected.as_ref())?;
+            let remainder = &coupling * weights.get(basis.ncols() - added.., ..);
+            let best: Vec<usize> =
+                (0..thetas.len()).rev().take(wanted).take_while(|&i| thetas[i] > 0.0).collect();
+            let settled = |i: &usize| remainder.col(*i).norm_l2() <= TOLERANCE * thetas[*i];
+            if exhausted || (best.len() == wanted && best.iter().all(settled)) {
+                return Ok(ritz_pairs(basis.as_ref(), &thetas, weights.as_ref(), &best));
+            }
+            if full {
+                return Err(Error::analysis(
+                    "the eigenvalue solver did not converge",
+                    format!("block Lanczos with {limit} vectors for {wanted} eigenvalues"),
+                    "ask for more or fewer modes, or check the case for values that differ by many decades",
+                ));
+            }
+        }
+        block = if next.ncols() > 0 { next } else { orthonormal(pencil, basis.as_ref(), start())?.0 };
+        if block.ncols() == 0 {
+            return Err(Error::analysis(
+                "the eigenvalue solver found no new directions",
+                format!("block Lanczos with {} vectors for {wanted} eigenvalues", basis.ncols()),
+                "ask for fewer modes",
+            ));
+        }
+    }
+    unreachable!("the loop ends at the limit of the basis")
+}
+
+/// Appends the columns of `block`.
+fn append(basis: &mut Mat<f64>, block: MatRef<'_, f64>) {
+    let old = basis.ncols();
+    basis.resize_with(basis.nrows(), old + block.ncols(), |i, j| block[(i, j - old)]);
+}
+
+/// Adds rows and columns to a symmetric matrix; `columns` holds the new columns.
+fn border(matrix: &mut Mat<f64>, columns: Mat<f64>) {
+    let (old, new) = (matrix.nrows(), columns.nrows());
+    matrix.resize_with(new, new, |i, j| if j >= old { columns[(i, j - old)] } else { columns[(j, i - old)] });
+}
+
+/// Splits `w` into its part in the basis (dropped) and `v c` with `v^T K v = I`, `v^T K basis = 0`;
+/// directions that are rounding errors are dropped. Returns `(v, c)`.
+fn orthonormal(pencil: &Pencil<'_>, basis: MatRef<'_, f64>, w: Mat<f64>) -> Result<(Mat<f64>, Mat<f64>)> {
+    let original = energies(&w, &(pencil.apply_k)(w.as_ref()));
+    let mut v = w;
+    let mut c = Mat::<f64>::identity(v.ncols(), v.ncols());
+    for pass in 0..2 {
+        for _ in 0..2 - pass {
+            let share = basis.transpose() * (pencil.apply_k)(v.as_ref());
+            v -= basis * share;
+        }
+        let gram = v.transpose() * (pencil.apply_k)(v.as_ref());
+        let (squares, directions) = self_adjoint(gram.as_ref())?;
+        // A direction counts when it is above the rounding error of what was subtracted.
+        let noise = original.iter().fold(0.0, |a: f64, b| a.max(*b)) * 1e-24;
+        let kept: Vec<usize> = (0..squares.len())
+            .filter(|&i| if pass == 0 { squares[i] > noise } else { squares[i] > 0.25 })
+            .collect();
+        let turn =
+            Mat::from_fn(v.ncols(), kept.len(), |i, j| directions[(i, kept[j])] / squares[kept[j]].sqrt());
+        let back =
+            Mat::from_fn(kept.len(), v.ncols(), |i, j| directions[(j, kept[i])] * squares[kept[i]].sqrt());
+        v = &v * turn;
+        c = back * c;
+    }
+    Ok((v, c))
+}
+
+/// `w_j^T (K w)_j` for each column.
+fn energies(w: &Mat<f64>, kw: &Mat<f64>) -> Vec<f64> {
+    (0..w.ncols()).map(|j| w.col(j).transpose() * kw.col(j)).collect()
+}
+
+fn ritz_pairs(
+    basis: MatRef<'_, f64>,
+    thetas: &[f64],
+    weights: MatRef<'_, f64>,
+    best: &[usize],
+) -> Eigenpairs {
+    let values: Vec<f64> = best.iter().map(|&i| 1.0 / thetas[i]).collect();
+    let chosen = Mat::from_fn(weights.nrows(), best.len(), |i, j| weights[(i, best[j])] * values[j].sqrt());
+    Eigenpairs { vectors: basis * chosen, values }
+}
+
+/// A small deterministic generator (xorshift), so that runs repeat bit by bit.
+struct Random(u64);
+
+impl Random {
+    fn block(&mut self, rows: usize, columns: usize) -> Mat<f64> {
+        Mat::from_fn(rows, columns, |_, _| {
+            self.0 ^= self.0 << 13;
+            self.0 ^= self.0 >> 7;
+            self.0 ^= self.0 << 17;
+            (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn diagonal_pencil(stiffness: &[f64], wanted: usize) -> Eigenpairs {
+        let scale = |x: MatRef<'_, f64>, f: &dyn Fn(f64) -> f64| {
+            Mat::from_fn(x.nrows(), x.ncols(), |i, j| f(stiffness[i]) * x[(i, j)])
+        };
+        let pencil = Pencil {
+            size: stiffness.len(),
+            rank: stiffness.len(),
+            apply_k: &|x| scale(x, &|k| k),
+            apply_b: &|x| x.to_owned(),
+            solve: &|x| scale(x.as_ref(), &|k| 1.0 / k),
+        };
+        lowest(&pencil, wanted).unwrap()
+    }
+
+    #[test]
+    fn finds_every_copy_of_a_multiple_eigenvalue() {
+        let mut stiffness: Vec<f64> = (0..300).map(|i| 10.0 + (i * i) as f64).collect();
+        stiffness[..9].fill(1.0);
+        let found = diagonal_pencil(&stiffness, 12);
+        assert!(found.values[..9].iter().all(|v| (v - 1.0).abs() < 1e-12));
+        for (i, v) in found.values[9..].iter().enumerate() {
+            let expected = 10.0 + ((i + 9) * (i + 9)) as f64;
+            assert!((v / expected - 1.0).abs() < 1e-10, "{v} {expected}");
+        }
+    }
+
+    #[test]
+    fn a_tiny_problem_is_exhausted_exactly() {
+        let found = diagonal_pencil(&[4.0, 1.0, 9.0], 10);
+        assert_eq!(found.values.len(), 3);
+        assert!((found.values[2] - 9.0).abs() < 1e-12);
+    }
+}

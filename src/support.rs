@@ -1,0 +1,301 @@
+//! Supports, bearings and disks: linear constraints and constant matrices at the nodes.
+//!
+//! A node of order n carries (n+1)(n+2)/2 vectors, so "clamped" or "on the section" needs a meaning;
+//! docs/theory.md section 7 states it. Coordinates are scaled: `q = R^(a+b) r_,(y^a z^b)`.
+
+use crate::element::basis::{derivative, evaluate, exponents, lagrange, mean_weights};
+use crate::model::{ActsOn, Disk, Hub, Model, SectionHold, SupportKind};
+use crate::section::Section;
+use faer::Mat;
+
+/// Stiffness of a rigid hub, `k = HUB E R^3` (N m), on the strains of r_,y and r_,z.
+const HUB: f64 = 4000.0;
+
+/// A matrix on some coordinates of the shaft (indices before constraints).
+pub struct Contribution {
+    /// Coordinates, one for each row and column.
+    pub coordinates: Vec<usize>,
+    /// The matrix.
+    pub matrix: Mat<f64>,
+}
+
+/// Coordinates before constraints: `offset(node) + 3 vector + component`.
+pub struct Numbering {
+    offsets: Vec<usize>,
+}
+
+impl Numbering {
+    /// Numbers the nodes from left to right.
+    pub fn new(model: &Model) -> Self {
+        let mut offsets = vec![0];
+        for node in &model.nodes {
+            offsets.push(offsets[offsets.len() - 1] + 3 * node.n_vectors);
+        }
+        Self { offsets }
+    }
+
+    /// Index of a component (0, 1, 2) of a vector of a node.
+    pub fn index(&self, node: usize, vector: usize, component: usize) -> usize {
+        self.offsets[node] + 3 * vector + component
+    }
+
+    /// Number of coordinates.
+    pub fn len(&self) -> usize {
+        self.offsets[self.offsets.len() - 1]
+    }
+
+    /// True for a shaft without nodes.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Coordinates of one node.
+    pub fn of_node(&self, node: usize) -> std::ops::Range<usize> {
+        self.offsets[node]..self.offsets[node + 1]
+    }
+}
+
+/// Elements that meet at an end node, left before right.
+fn elements_at(model: &Model, node: usize) -> impl Iterator<Item = &crate::model::Element> {
+    model.elements.iter().filter(move |e| e.first_node == node || e.first_node + e.kind.axial_degree == node)
+}
+
+/// The section a support or bearing takes hold of: common to both sides of a step.
+pub fn section_at(model: &Model, node: usize) -> Option<Section> {
+    let mut sections = elements_at(model, node).map(|e| model.sections[e.section]);
+    let first = sections.next()?;
+    Some(sections.fold(first, |a, b| a.common(&b).unwrap_or(a)))
+}
+
+fn order_at(model: &Model, node: usize) -> usize {
+    elements_at(model, node).map(|e| e.kind.section_order).max().unwrap_or(1)
+}
+
+/// Weights `w_k` of the mean displacement `sum_k w_k q_k` of the section (or of the axis).
+fn displacement_weights(model: &Model, node: usize, acts_on: ActsOn) -> Vec<f64> {
+    let order = order_at(model, node);
+    match (acts_on, section_at(model, node)) {
+        (ActsOn::Section, Some(section)) => mean_weights(order, &section, model.reference_length),
+        _ => exponents(order).iter().map(|&(a, b)| f64::from(a + b == 0)).collect(),
+    }
+}
+
+/// Constraint rows `sum c_i q_i = 0` over the coordinates of one node.
+pub fn constraint_rows(model: &Model, node: usize) -> Vec<Vec<f64>> {
+    let n_vectors = model.nodes[node].n_vectors;
+    let unit = |vector: usize, component: usize| {
+        let mut row = vec![0.0; 3 * n_vectors];
+        row[3 * vector + component] = 1.0;
+        row
+    };
+    let mean = |component: usize, acts_on: ActsOn| {
+        let mut row = vec![0.0; 3 * n_vectors];
+        for (k, w) in displacement_weights(model, node, acts_on).into_iter().enumerate() {
+            row[3 * k + component] = w;
+        }
+        row
+    };
+    let in_plane_shape = || (3..n_vectors).flat_map(move |k| [1, 2].map(|c| unit(k, c)));
+    let plane = |axially_free: bool, driven: bool| {
+        let mut rows: Vec<Vec<f64>> =
+            (0..3).filter(|&c| !(axially_free && c == 0)).map(|c| unit(0, c)).collect();
+        rows.extend((1..n_vectors).map(|k| unit(k, 0)));
+        if driven {
+            rows.push(mean_rotation(model, node));
+        }
+        rows
+    };
+    let held = |hold: SectionHold, axially_free: bool, driven: bool| match (hold, driven) {
+        (SectionHold::Plane, _) => plane(axially_free, driven),
+        (SectionHold::Rigid, true) => (0..n_vectors)
+            .flat_map(|k| (0..3).map(move |c| (k, c)))
+            .filter(|&(k, c)| !(axially_free && k == 0 && c == 0))
+            .map(|(k, c)| unit(k, c))
+            .collect(),
+        // free to spin as a rigid disk: a hub holds r_,y and r_,z orthonormal
+        (SectionHold::Rigid, false) => {
+            plane(axially_free, false).into_iter().chain(in_plane_shape()).collect()
+        }
+    };
+    let mut rows = Vec::new();
+    for support in model.supports.iter().filter(|s| s.node == node) {
+        rows.extend(match &support.kind {
+            SupportKind::Clamped(hold) => held(*hold, false, true),
+            SupportKind::Revolute { hold, driven } => held(*hold, false, *driven),
+            SupportKind::Cylindrical { hold, driven } => held(*hold, true, *driven),
+            SupportKind::Pinned(acts_on) => (0..3).map(|c| mean(c, *acts_on)).collect(),
+            SupportKind::Roller(acts_on) => (1..3).map(|c| mean(c, *acts_on)).collect(),
+            SupportKind::Fix(components) => components.iter().map(|&(k, c)| unit(k, c)).collect(),
+        });
+    }
+    if model.disks.iter().any(|d| d.node == node && d.hub == Hub::Rigid) {
+        rows.extend((3..n_vectors).flat_map(|k| (0..3).map(move |c| (k, c))).map(|(k, c)| unit(k, c)));
+    }
+    rows
+}
+
+/// Mean rotation of a section about the axis, `int (y u_z - z u_y) dA`, as a row.
+fn mean_rotation(model: &Model, node: usize) -> Vec<f64> {
+    let (order, r) = (order_at(model, node), model.reference_length);
+    let Some(section) = section_at(model, node) else { return Vec::new() };
+    let mut row = vec![0.0; 3 * model.nodes[node].n_vectors];
+    for (k, (a, b)) in exponents(order).into_iter().enumerate() {
+        let factorials: f64 = (1..=a).chain(1..=b).map(|i| i as f64).product();
+        let scale = factorials * r.powi((a + b) as i32) * section.area() * r;
+        row[3 * k + 2] = section.moment(a + 1, b) / scale;
+        row[3 * k + 1] = -section.moment(a, b + 1) / scale;
+    }
+    row
+}
+
+/// Stiffness of rigid hubs (disks, and rigid ends that spin free) on r_,y and r_,z:
+/// energy `k/2 (E_yy^2 + E_zz^2 + 2 E_yz^2)` about the undeformed state.
+pub fn hub_stiffness(model: &Model, numbering: &Numbering) -> Vec<Contribution> {
+    let rigid_disks = model.disks.iter().filter(|d| d.hub == Hub::Rigid).map(|d| d.node);
+    let free_ends = model.supports.iter().filter(|s| {
+        matches!(
+            s.kind,
+            SupportKind::Revolute { hold: SectionHold::Rigid, driven: false }
+                | SupportKind::Cylindrical { hold: SectionHold::Rigid, driven: false }
+        )
+    });
+    let mut nodes: Vec<usize> = rigid_disks.chain(free_ends.map(|s| s.node)).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    let r = model.reference_length;
+    nodes
+        .into_iter()
+        .map(|node| {
+            let modulus = elements_at(model, node)
+                .map(|e| model.materials[e.material].youngs_modulus)
+                .fold(0.0, f64::max);
+            let k = HUB * modulus * r.powi(3) / (r * r);
+            let [yy, yz, zy, zz] = [(1, 1), (1, 2), (2, 1), (2, 2)].map(|(v, c)| numbering.index(node, v, c));
+            let rows = [
+                [k, 0.0, 0.0, 0.0],
+                [0.0, k, 0.0, 0.0],
+                [0.0, 0.0, k / 2.0, k / 2.0],
+                [0.0, 0.0, k / 2.0, k / 2.0],
+            ];
+            Contribution { coordinates: vec![yy, zz, yz, zy], matrix: Mat::from_fn(4, 4, |i, j| rows[i][j]) }
+        })
+        .collect()
+}
+
+/// Mass of the disks: `m/2 |r + d_y r_,y + d_z r_,z|^2 + Jp/4 (|r_,y|^2 + |r_,z|^2) + (Id - Jp/2)/2
+/// |r_,x|^2`, r_,x being the mean of both sides of the node.
+pub fn disk_mass(model: &Model, numbering: &Numbering) -> Vec<Contribution> {
+    let r = model.reference_length;
+    let mut result = Vec::new();
+    for disk in &model.disks {
+        let centre = [1.0, disk.offset[0] / r, disk.offset[1] / r];
+        let half_polar = disk.polar_inertia / 2.0 / (r * r);
+        let vectors = Mat::from_fn(3, 3, |k, l| {
+            disk.mass * centre[k] * centre[l] + if k == l && k > 0 { half_polar } else { 0.0 }
+        });
+        result.push(on_vectors(&vectors, &[0, 1, 2].map(|k| numbering.index(disk.node, k, 0))));
+        let excess = disk.diametral_inertia - disk.polar_inertia / 2.0;
+        if excess > 1e-12 * disk.diametral_inertia {
+            let slope = axial_slope(model, numbering, disk);
+            let outer = Mat::from_fn(slope.len(), slope.len(), |i, j| excess * slope[i].1 * slope[j].1);
+            let starts: Vec<usize> = slope.iter().map(|s| s.0).collect();
+            result.push(on_vectors(&outer, &starts));
+        }
+    }
+    result
+}
+
+/// `r_,x` at the disk as a sum over position vectors: `(first coordinate, weight)`, the mean of both sides.
+fn axial_slope(model: &Model, numbering: &Numbering, disk: &Disk) -> Vec<(usize, f64)> {
+    let sides: Vec<_> = elements_at(model, disk.node).collect();
+    let mut slope: Vec<(usize, f64)> = Vec::new();
+    for element in &sides {
+        let xi = if element.first_node == disk.node { -1.0 } else { 1.0 };
+        for (i, l) in lagrange(element.kind.axial_degree).iter().enumerate() {
+            let weight = evaluate(&derivative(l), xi) * 2.0 / element.length / sides.len() as f64;
+            let start = numbering.index(element.first_node + i, 0, 0);
+            match slope.iter_mut().find(|s| s.0 == start) {
+                Some(entry) => entry.1 += weight,
+                None => slope.push((start, weight)),
+            }
+        }
+    }
+    slope
+}
+
+/// Gyroscopic terms of the disks per unit spin speed: `G[y,z] += Jp I3, G[z,y] -= Jp I3`.
+pub fn disk_gyroscopic(model: &Model, numbering: &Numbering) -> Vec<Contribution> {
+    disk_pairs(model, numbering, |polar| [[0.0, polar], [-polar, 0.0]])
+}
+
+/// Spin softening of the disks per unit spin speed squared: `Jp/2` on r_,y and on r_,z.
+pub fn disk_softening(model: &Model, numbering: &Numbering) -> Vec<Contribution> {
+    disk_pairs(model, numbering, |polar| [[polar / 2.0, 0.0], [0.0, polar / 2.0]])
+}
+
+fn disk_pairs(
+    model: &Model,
+    numbering: &Numbering,
+    block: impl Fn(f64) -> [[f64; 2]; 2],
+) -> Vec<Contribution> {
+    let r2 = model.reference_length.powi(2);
+    model
+        .disks
+        .iter()
+        .map(|disk| {
+            let block = block(disk.polar_inertia / r2);
+            let vectors = Mat::from_fn(2, 2, |k, l| block[k][l]);
+            on_vectors(&vectors, &[1, 2].map(|k| numbering.index(disk.node, k, 0)))
+        })
+        .collect()
+}
+
+/// `matrix (x) I3` on vectors that start at the given coordinates.
+fn on_vectors(matrix: &Mat<f64>, starts: &[usize]) -> Contribution {
+    let n = 3 * starts.len();
+    Contribution {
+        coordinates: starts.iter().flat_map(|s| (0..3).map(move |c| s + c)).collect(),
+        matrix: Mat::from_fn(n, n, |i, j| if i % 3 == j % 3 { matrix[(i / 3, j / 3)] } else { 0.0 }),
+    }
+}
+
+/// A 2 x 2 law between the y and z displacements (or velocities) a bearing feels and its forces.
+pub fn bearing_contributions(
+    model: &Model,
+    numbering: &Numbering,
+    law: impl Fn(&crate::model::Bearing) -> [[f64; 2]; 2],
+) -> Vec<Contribution> {
+    model
+        .bearings
+        .iter()
+        .filter(|b| law(b).iter().flatten().any(|&v| v != 0.0))
+        .map(|bearing| {
+            let law = law(bearing);
+            let weights = displacement_weights(model, bearing.node, bearing.acts_on);
+            let used: Vec<usize> = (0..weights.len()).filter(|&k| weights[k] != 0.0).collect();
+            let n = 2 * used.len();
+            Contribution {
+                coordinates: used
+                    .iter()
+                    .flat_map(|&k| [1, 2].map(|c| numbering.index(bearing.node, k, c)))
+                    .collect(),
+                matrix: Mat::from_fn(n, n, |i, j| {
+                    weights[used[i / 2]] * weights[used[j / 2]] * law[i % 2][j % 2]
+                }),
+            }
+        })
+        .collect()
+}
+
+/// The mean displacements in y and z that a bearing feels, as rows over the shaft's coordinates.
+pub fn bearing_rows(
+    model: &Model,
+    numbering: &Numbering,
+    bearing: &crate::model::Bearing,
+) -> [Vec<(usize, f64)>; 2] {
+    let weights = displacement_weights(model, bearing.node, bearing.acts_on);
+    [1, 2].map(|c| {
+        let entries = weights.iter().enumerate().filter(|(_, w)| **w != 0.0);
+        entries.map(|(k, w)| (numbering.index(bearing.node, k, c), *w)).collect()
+    })
+}
