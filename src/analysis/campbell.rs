@@ -282,7 +282,7 @@ impl Solver<'_> {
                 .motions
                 .iter()
                 .zip(sweep)
-                .filter_map(|(place, solution)| place.map(|i| solution.motions[i].momentum))
+                .filter_map(|(place, solution)| place.map(|i| self.reduced.momentum(&solution.motions[i])))
                 .collect();
             if let Some(i) = tracked.motions[0] {
                 tracked.branch.kind = self.kind(&sweep[0].motions[i], character);
@@ -477,6 +477,9 @@ impl Solver<'_> {
                     "at the highest speed an inertia count disagrees with the number of frequencies found",
                 ));
             }
+        }
+        if self.settings.reduction.is_none() {
+            return Ok(None);
         }
         let error = (0..count)
             .map(|i| (last.motions[i].lambda.im / exact.motions[i].lambda.im - 1.0).abs())

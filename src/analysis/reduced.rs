@@ -87,8 +87,6 @@ pub struct Whirling {
     pub right: Vec<c64>,
     /// Left eigenvector with `left^H right = 1`; `None` when it equals `right`.
     pub left: Option<Vec<c64>>,
-    /// Angular momentum about x over that of a circular forward orbit of the same speed, in [-1, 1].
-    pub momentum: f64,
 }
 
 /// The oscillating motions at one speed, by ascending frequency.
@@ -318,7 +316,6 @@ impl Reduced {
                     lambda: c64::new(0.0, -values[k]),
                     right: column(vectors.as_ref(), k),
                     left: None,
-                    momentum: 0.0,
                 })
                 .collect()
         } else {
@@ -331,19 +328,17 @@ impl Reduced {
                     lambda: values[k],
                     right: column(vectors.as_ref(), k),
                     left: Some((0..a.nrows()).map(|i| inverse[(k, i)].conj()).collect()),
-                    momentum: 0.0,
                 })
                 .collect()
         };
-        for motion in &mut motions {
-            motion.momentum = self.momentum(&motion.right);
-        }
         motions.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
         Ok(Solution { speed, motions })
     }
 
-    fn momentum(&self, state: &[c64]) -> f64 {
-        let n = self.size();
+    /// Angular momentum of a motion about x over that of a circular forward orbit of the same speed, in
+    /// [-1, 1].
+    pub fn momentum(&self, motion: &Whirling) -> f64 {
+        let (n, state) = (self.size(), &motion.right);
         let (mut turning, mut moving) = (0.0, 0.0);
         for j in 0..n {
             let sum: c64 = (0..n).map(|i| state[i].conj() * self.angular_momentum[(i, j)]).sum();

@@ -29,6 +29,9 @@ pub struct Continuation {
 /// `1` when two motions are the same, near `0` when they have nothing in common.
 pub fn likeness(a: &Whirling, b: &Whirling) -> f64 {
     let product = |x: &[c64], y: &[c64]| -> c64 { x.iter().zip(y).map(|(x, y)| x.conj() * y).sum() };
+    if a.left.is_none() && b.left.is_none() {
+        return product(&a.right, &b.right).norm_sqr();
+    }
     let (left_a, left_b) = (a.left.as_ref().unwrap_or(&a.right), b.left.as_ref().unwrap_or(&b.right));
     (product(left_a, &b.right) * product(left_b, &a.right)).norm()
 }
@@ -111,7 +114,6 @@ mod tests {
             lambda: c64::new(0.0, frequency),
             right: right.iter().map(|&v| c64::new(v, 0.0)).collect(),
             left: None,
-            momentum: 0.0,
         }
     }
 

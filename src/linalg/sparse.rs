@@ -8,19 +8,32 @@ use faer::{Mat, MatRef};
 /// Real sparse matrix, compressed by columns, rows ascending.
 pub type Sparse = SparseColMat<usize, f64>;
 
+/// Columns that are multiplied together, one row of them a cache line.
+const LANES: usize = 8;
+
 /// `A X`.
 pub fn multiply(a: &Sparse, x: MatRef<'_, f64>) -> Mat<f64> {
     let mut y = Mat::zeros(a.nrows(), x.ncols());
     let (starts, rows, values) = (a.symbolic().col_ptr(), a.symbolic().row_idx(), a.val());
-    for k in 0..x.ncols() {
-        let source = x.col(k);
-        let mut target = y.col_mut(k);
+    let mut sum = vec![[0.0; LANES]; a.nrows()];
+    for first in (0..x.ncols()).step_by(LANES) {
+        let width = LANES.min(x.ncols() - first);
+        sum.fill([0.0; LANES]);
         for j in 0..a.ncols() {
-            let factor = source[j];
-            if factor != 0.0 {
-                for at in starts[j]..starts[j + 1] {
-                    target[rows[at]] += values[at] * factor;
+            let mut factor = [0.0; LANES];
+            for (k, f) in factor[..width].iter_mut().enumerate() {
+                *f = x[(j, first + k)];
+            }
+            let column = starts[j]..starts[j + 1];
+            for (&row, &value) in rows[column.clone()].iter().zip(&values[column]) {
+                for (s, f) in sum[row].iter_mut().zip(&factor) {
+                    *s += value * f;
                 }
+            }
+        }
+        for k in 0..width {
+            for (target, s) in y.col_mut(first + k).iter_mut().zip(&sum) {
+                *target = s[k];
             }
         }
     }
