@@ -1,0 +1,262 @@
+//! The command line: arguments, progress, exit codes.
+//!
+//! Exit codes: 0 done; 1 the analysis ran but did not succeed (no convergence, out of tolerance); 2 bad
+//! input or usage. Results go to standard output, progress and messages to standard error.
+
+use crate::analysis::matrices::matrices;
+use crate::case::{Case, LoadedCase, schema};
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::report::{files, json, matrix_market, table};
+use crate::run::{self, Analysis};
+use crate::validate::{Comparison, validate};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+const EXAMPLES: &str = "\
+Examples:
+  rotor campbell cases/bauchau.json
+  rotor campbell cases/bauchau.json --set shaft.segments.0.elements=32 --out study/32
+  rotor modes cases/table3-tube.json --set modes.count=12
+  rotor check cases/jeffcott.json
+  rotor validate
+
+Exit codes: 0 done; 1 the analysis did not succeed (no convergence, out of tolerance); 2 bad input or usage.";
+
+/// Rotordynamics on the higher-order ANCF beam element 34X3.
+#[derive(Parser)]
+#[command(name = "rotor", version, about, after_help = EXAMPLES)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Say what will be modelled and left out, with size, mass, inertia, memory and time
+    Check(RunArguments),
+    /// Natural frequencies and mode shapes at rest
+    Modes(RunArguments),
+    /// Whirl frequencies over spin speed, and critical speeds
+    Campbell(RunArguments),
+    /// Write M, G, N and K0 as Matrix Market files, with the meaning of their rows
+    Matrices(RunArguments),
+    /// Run what cases expect and print ours / reference / error
+    Validate(ValidateArguments),
+    /// Print the JSON Schema of the case file
+    Schema,
+}
+
+#[derive(Args)]
+struct RunArguments {
+    /// Case file (JSON)
+    case: PathBuf,
+    /// Folder for the report and plots [default: reports/<case file's stem>]
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Override a value of the case, e.g. shaft.segments.0.elements=8 (repeatable)
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<String>,
+    /// Threads for independent speeds [default: all cores]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// No progress and no notes; errors only
+    #[arg(long)]
+    quiet: bool,
+    /// Do not draw
+    #[arg(long)]
+    no_plots: bool,
+}
+
+#[derive(Args)]
+struct ValidateArguments {
+    /// Case files [default: every .json in cases/]
+    cases: Vec<PathBuf>,
+    /// Print only what is out of tolerance
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Runs the program on the process' arguments.
+pub fn main() -> ExitCode {
+    let matches = match Arguments::command().try_get_matches() {
+        Ok(matches) => matches,
+        Err(e) => {
+            // clap prints help to standard output with code 0, faults to standard error with code 2
+            let _ = e.print();
+            return ExitCode::from(u8::try_from(e.exit_code()).unwrap_or(2));
+        }
+    };
+    let outcome = Arguments::from_arg_matches(&matches)
+        .map_err(|e| Error::Usage(e.to_string()))
+        .and_then(|arguments| execute(&arguments.command));
+    match outcome {
+        Ok(code) => code,
+        Err(e) => {
+            eprintln!("error: {e}");
+            ExitCode::from(e.exit_code())
+        }
+    }
+}
+
+fn execute(command: &Command) -> Result<ExitCode> {
+    match command {
+        Command::Check(arguments) => analyse(arguments, Analysis::Check),
+        Command::Modes(arguments) => analyse(arguments, Analysis::Modes),
+        Command::Campbell(arguments) => analyse(arguments, Analysis::Campbell),
+        Command::Matrices(arguments) => write_matrices(arguments),
+        Command::Validate(arguments) => validate_cases(arguments),
+        Command::Schema => {
+            print(&json::text(&schema()));
+            Ok(ExitCode::SUCCESS)
+        }
+    }
+}
+
+/// Standard output may be closed early (`rotor ... | head`); that is no fault of the run.
+fn print(text: &str) {
+    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+}
+
+fn folder(arguments: &RunArguments) -> PathBuf {
+    arguments.out.clone().unwrap_or_else(|| {
+        let stem = arguments.case.file_stem().map(|s| s.to_os_string()).unwrap_or_default();
+        Path::new("reports").join(stem)
+    })
+}
+
+fn load(arguments: &RunArguments) -> Result<(LoadedCase, PathBuf)> {
+    let loaded = Case::load(&arguments.case, &arguments.set)?;
+    let folder = folder(arguments);
+    files::check_folder(&folder)?;
+    if let Some(threads) = arguments.threads {
+        // fails only when a pool exists already, which then has the right size
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
+    }
+    Ok((loaded, folder))
+}
+
+fn analyse(arguments: &RunArguments, analysis: Analysis) -> Result<ExitCode> {
+    let start = Instant::now();
+    let (loaded, folder) = load(arguments)?;
+    let bar = progress_bar(run::steps(&loaded, analysis)?, arguments.quiet);
+    let finished = run::run(&loaded, analysis, !arguments.no_plots, &|done| bar.inc(done as u64))?;
+    bar.finish_and_clear();
+    let mut pending = vec![(format!("{}.json", analysis.name()), json::text(&finished.json))];
+    pending.extend(finished.plots);
+    pending.push((format!("{}.cost.json", analysis.name()), cost(start)));
+    let paths = files::write_all(&folder, &pending)?;
+    let mut text = if arguments.quiet { String::new() } else { finished.table };
+    if !arguments.quiet {
+        for path in paths.iter().filter(|p| !p.to_string_lossy().ends_with(".cost.json")) {
+            text += &format!("wrote {}\n", path.display());
+        }
+    }
+    print(&text);
+    let failed = finished.diagnostics.iter().any(|d| d.level == crate::results::Level::Error);
+    if failed {
+        for d in finished.diagnostics.iter().filter(|d| d.level == crate::results::Level::Error) {
+            eprintln!("error: {} [{}]", d.message, d.code);
+        }
+    }
+    Ok(ExitCode::from(u8::from(failed)))
+}
+
+fn progress_bar(steps: usize, quiet: bool) -> ProgressBar {
+    if steps == 0 || quiet || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::with_draw_target(Some(steps as u64), ProgressDrawTarget::stderr());
+    if let Ok(style) = ProgressStyle::with_template("{msg} [{bar:40}] {pos}/{len} speeds, {eta} left") {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    bar.set_message("campbell");
+    bar
+}
+
+/// Wall time and peak memory of this run; kept beside the report, not in it, so that reports repeat.
+fn cost(start: Instant) -> String {
+    let peak = std::fs::read_to_string("/proc/self/status").ok().and_then(|status| {
+        let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;
+        line.split_whitespace().nth(1)?.parse::<f64>().ok()
+    });
+    json::text(&serde_json::json!({
+        "wall_s": start.elapsed().as_secs_f64(),
+        "peak_memory_mb": peak.map(|kb| kb / 1024.0),
+        "threads": rayon::current_num_threads(),
+    }))
+}
+
+fn write_matrices(arguments: &RunArguments) -> Result<ExitCode> {
+    let (loaded, folder) = load(arguments)?;
+    let model = Model::new(&loaded)?;
+    let (rows, list) = matrices(&model);
+    let mut pending: Vec<(String, String)> =
+        list.iter().map(|m| (format!("{}.mtx", m.name), matrix_market::text(m, &loaded.case.title))).collect();
+    pending.push(("matrices.json".to_owned(), json::text(&matrix_market::sidecar(&rows, &list, &loaded.sha256))));
+    let paths = files::write_all(&folder, &pending)?;
+    if !arguments.quiet {
+        let mut text = format!("{} unknowns, unconstrained, physical units\n", rows.len());
+        for path in paths {
+            text += &format!("wrote {}\n", path.display());
+        }
+        print(&text);
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn validate_cases(arguments: &ValidateArguments) -> Result<ExitCode> {
+    let cases = if arguments.cases.is_empty() { all_cases()? } else { arguments.cases.clone() };
+    let (mut total, mut out) = (0, 0);
+    for path in &cases {
+        let loaded = Case::load(path, &[])?;
+        let comparisons = validate(&loaded)?;
+        total += comparisons.len();
+        let failed = comparisons.iter().filter(|c| !c.holds()).count();
+        out += failed;
+        if !arguments.quiet || failed > 0 {
+            let shown: Vec<&Comparison> =
+                comparisons.iter().filter(|c| !arguments.quiet || !c.holds()).collect();
+            print(&format!("{}\n{}\n", path.display(), comparison_table(&shown)));
+        }
+    }
+    print(&format!("{} of {total} values within tolerance, {} cases\n", total - out, cases.len()));
+    Ok(ExitCode::from(u8::from(out > 0)))
+}
+
+fn all_cases() -> Result<Vec<PathBuf>> {
+    let folder = Path::new("cases");
+    let entries = std::fs::read_dir(folder).map_err(|e| Error::io(folder, "read this folder of cases", &e))?;
+    let mut paths: Vec<PathBuf> = entries
+        .filter_map(|entry| entry.ok().map(|e| e.path()))
+        .filter(|path| path.extension().is_some_and(|e| e == "json"))
+        .collect();
+    paths.sort();
+    Ok(paths)
+}
+
+fn comparison_table(comparisons: &[&Comparison]) -> String {
+    if comparisons.is_empty() {
+        return "  nothing expected\n".to_owned();
+    }
+    let number = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.6}"));
+    let rows: Vec<Vec<String>> = comparisons
+        .iter()
+        .map(|c| {
+            vec![
+                if c.holds() { "ok" } else { "OUT" }.to_owned(),
+                number(c.ours),
+                number(Some(c.reference)),
+                c.error().map_or("-".to_owned(), |e| format!("{e:.1e}")),
+                format!("{:.1e}", c.tolerance),
+                number(c.published),
+                format!("{} {} ({})", c.analysis, c.path, c.source),
+            ]
+        })
+        .collect();
+    table::columns(&["", "ours", "reference", "error", "tolerance", "published", "value (source)"], &rows)
+}

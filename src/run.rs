@@ -1,0 +1,133 @@
+//! Runs one analysis of a loaded case from model to report, plots and table: the whole pipeline, without
+//! touching a file.
+
+use crate::analysis::{self, Outcome};
+use crate::case::LoadedCase;
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::plot;
+use crate::report::table;
+use crate::results::{CaseInfo, Diagnostic, Report};
+use serde::Serialize;
+use serde_json::Value;
+use std::path::Path;
+
+/// The analyses that write a report.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Analysis {
+    /// Size and mass properties.
+    Check,
+    /// Natural modes at rest.
+    Modes,
+    /// Whirl frequencies over speed and critical speeds.
+    Campbell,
+}
+
+impl Analysis {
+    /// Name on the command line and of the report.
+    pub fn name(self) -> &'static str {
+        match self {
+            Analysis::Check => "check",
+            Analysis::Modes => "modes",
+            Analysis::Campbell => "campbell",
+        }
+    }
+
+    /// The analysis of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Analysis::Check, Analysis::Modes, Analysis::Campbell].into_iter().find(|a| a.name() == name)
+    }
+}
+
+/// A finished run, not yet written.
+#[derive(Debug)]
+pub struct Finished {
+    /// The report (see [`Report`]).
+    pub json: Value,
+    /// Plots as `(file name, SVG text)`.
+    pub plots: Vec<(String, String)>,
+    /// Table for the terminal.
+    pub table: String,
+    /// Remarks, also in the report.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Runs an analysis. `progress` receives the number of steps done, out of [`steps`].
+///
+/// # Errors
+/// Bad input, or an analysis that does not succeed.
+pub fn run(
+    loaded: &LoadedCase,
+    analysis: Analysis,
+    plots: bool,
+    progress: analysis::campbell::Progress<'_>,
+) -> Result<Finished> {
+    let model = Model::new(loaded)?;
+    match analysis {
+        Analysis::Check => {
+            let report = report(loaded, analysis::check::check(&model)?);
+            finish(&report, Vec::new(), table::check(&report.results))
+        }
+        Analysis::Modes => {
+            let report = report(loaded, analysis::modes::modes(&model)?);
+            let svg = if plots { vec![("modes.svg".to_owned(), plot::modes::svg(&report)?)] } else { Vec::new() };
+            finish(&report, svg, table::modes(&report.results))
+        }
+        Analysis::Campbell => {
+            let settings = model.campbell.as_ref().ok_or_else(|| missing_block(loaded, "campbell"))?;
+            let report = report(loaded, analysis::campbell::campbell(&model, settings, progress)?);
+            let svg =
+                if plots { vec![("campbell.svg".to_owned(), plot::campbell::svg(&report)?)] } else { Vec::new() };
+            finish(&report, svg, table::campbell(&report.results))
+        }
+    }
+}
+
+/// Steps of an analysis that reports progress.
+///
+/// # Errors
+/// Bad input.
+pub fn steps(loaded: &LoadedCase, analysis: Analysis) -> Result<usize> {
+    let model = Model::new(loaded)?;
+    Ok(match analysis {
+        Analysis::Campbell => model.campbell.as_ref().map_or(0, |c| c.speeds.len()),
+        _ => 0,
+    })
+}
+
+fn missing_block(loaded: &LoadedCase, name: &str) -> Error {
+    Error::Input {
+        file: loaded.file.clone(),
+        path: name.to_owned(),
+        value: "missing".to_owned(),
+        problem: format!("the case has no `{name}` block"),
+        allowed: r#"for example "campbell": { "speeds": { "from": 0, "to": "10000 rpm", "count": 101 } }"#.to_owned(),
+    }
+}
+
+fn report<R>(loaded: &LoadedCase, outcome: Outcome<R>) -> Report<R> {
+    let name = Path::new(&loaded.file).file_name().map(|n| n.to_string_lossy().into_owned());
+    Report {
+        rotor: env!("CARGO_PKG_VERSION"),
+        case: CaseInfo {
+            title: loaded.case.title.clone(),
+            file: name.unwrap_or_else(|| loaded.file.clone()),
+            sha256: loaded.sha256.clone(),
+        },
+        model: outcome.model,
+        results: outcome.results,
+        diagnostics: outcome.diagnostics,
+    }
+}
+
+fn finish<R: Serialize>(report: &Report<R>, plots: Vec<(String, String)>, results: String) -> Result<Finished> {
+    let json = serde_json::to_value(report)
+        .map_err(|e| Error::analysis("the report could not be written as JSON", e.to_string(), "report this"))?;
+    let table = format!(
+        "{}\n{}\n{results}\n{}",
+        report.case.title,
+        table::model(&report.model),
+        table::diagnostics(&report.diagnostics)
+    );
+    Ok(Finished { json, plots, table, diagnostics: report.diagnostics.clone() })
+}

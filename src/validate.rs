@@ -1,0 +1,138 @@
+//! `rotor validate`: runs what a case expects and compares.
+
+use crate::case::{Expected, LoadedCase};
+use crate::error::{Error, Result};
+use crate::run::{Analysis, run};
+use serde_json::Value;
+
+/// One compared number.
+#[derive(Debug, Clone)]
+pub struct Comparison {
+    /// Case file.
+    pub file: String,
+    /// Analysis it comes from.
+    pub analysis: &'static str,
+    /// Where in the report.
+    pub path: String,
+    /// Our value; `None` when the report has no number there.
+    pub ours: Option<f64>,
+    /// Reference value.
+    pub reference: f64,
+    /// Value printed in the source, when it differs in kind from the reference.
+    pub published: Option<f64>,
+    /// Allowed `|ours - reference|`.
+    pub tolerance: f64,
+    /// Where the reference comes from.
+    pub source: String,
+}
+
+impl Comparison {
+    /// True when ours is within the tolerance.
+    pub fn holds(&self) -> bool {
+        self.ours.is_some_and(|ours| (ours - self.reference).abs() <= self.tolerance)
+    }
+
+    /// Relative error, or absolute for a reference of zero.
+    pub fn error(&self) -> Option<f64> {
+        let scale = if self.reference == 0.0 { 1.0 } else { self.reference.abs() };
+        self.ours.map(|ours| (ours - self.reference) / scale)
+    }
+}
+
+/// Runs each distinct analysis that `expected` of the case names, once, and compares every value.
+///
+/// # Errors
+/// Bad input, or an analysis that does not succeed.
+pub fn validate(loaded: &LoadedCase) -> Result<Vec<Comparison>> {
+    let mut reports: Vec<(Analysis, Option<Value>, Value)> = Vec::new();
+    let mut result = Vec::new();
+    for (index, expected) in loaded.case.expected.iter().enumerate() {
+        let analysis = analysis_of(loaded, expected, index)?;
+        let set = expected.set.as_ref().map(|s| serde_json::json!(s));
+        let known = reports.iter().position(|(a, s, _)| *a == analysis && *s == set);
+        let at = match known {
+            Some(at) => at,
+            None => {
+                let changed = match &expected.set {
+                    Some(set) => loaded.with(set)?,
+                    None => loaded.clone(),
+                };
+                reports.push((analysis, set, run(&changed, analysis, false, &|_| ())?.json));
+                reports.len() - 1
+            }
+        };
+        let found = lookup(&reports[at].2, expected);
+        let references = numbers(&expected.value);
+        let published = expected.published.as_ref().map(optional_numbers).unwrap_or_default();
+        for (i, reference) in references.iter().enumerate() {
+            result.push(Comparison {
+                file: loaded.file.clone(),
+                analysis: analysis.name(),
+                path: if references.len() > 1 {
+                    expected.path.replacen('*', &i.to_string(), 1)
+                } else {
+                    expected.path.clone()
+                },
+                ours: found.get(i).copied().flatten(),
+                reference: *reference,
+                published: published.get(i).copied().flatten(),
+                tolerance: expected.atol.unwrap_or(0.0) + expected.rtol.unwrap_or(0.0) * reference.abs(),
+                source: expected.source.clone(),
+            });
+        }
+    }
+    Ok(result)
+}
+
+fn analysis_of(loaded: &LoadedCase, expected: &Expected, index: usize) -> Result<Analysis> {
+    match &expected.analysis {
+        None if loaded.case.campbell.is_some() => Ok(Analysis::Campbell),
+        None => Ok(Analysis::Modes),
+        Some(name) => Analysis::from_name(name).ok_or_else(|| Error::Input {
+            file: loaded.file.clone(),
+            path: format!("expected.{index}.analysis"),
+            value: name.clone(),
+            problem: "no such analysis".to_owned(),
+            allowed: "check, modes, campbell".to_owned(),
+        }),
+    }
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    optional_numbers(value).into_iter().flatten().collect()
+}
+
+fn optional_numbers(value: &Value) -> Vec<Option<f64>> {
+    match value {
+        Value::Array(list) => list.iter().map(Value::as_f64).collect(),
+        other => vec![other.as_f64()],
+    }
+}
+
+/// Numbers at a path; `*` stands for the entries of a list, filtered by `where` (and its n-th match).
+fn lookup(report: &Value, expected: &Expected) -> Vec<Option<f64>> {
+    let steps: Vec<&str> = expected.path.split('.').collect();
+    let mut values = vec![report];
+    for step in steps {
+        values = values
+            .into_iter()
+            .flat_map(|value| match (value, step) {
+                (Value::Array(list), "*") => matching(list, expected),
+                (Value::Array(list), _) => step.parse::<usize>().ok().and_then(|i| list.get(i)).into_iter().collect(),
+                (Value::Object(map), _) => map.get(step).into_iter().collect(),
+                _ => Vec::new(),
+            })
+            .collect();
+    }
+    values.into_iter().map(Value::as_f64).collect()
+}
+
+fn matching<'a>(list: &'a [Value], expected: &Expected) -> Vec<&'a Value> {
+    let Some(filter) = &expected.filter else { return list.iter().collect() };
+    let fits = |value: &&Value| filter.fields.iter().all(|(key, wanted)| value.get(key) == Some(wanted));
+    let all = list.iter().filter(fits);
+    match filter.n {
+        Some(n) => all.skip(n.saturating_sub(1)).take(1).collect(),
+        None => all.collect(),
+    }
+}
