@@ -58,8 +58,7 @@ impl Section {
         }
         let unit = match self.shape {
             Shape::Ellipse => {
-                2.0 * PI * odd_factorial(a) * odd_factorial(b)
-                    / (even_factorial(a + b) * (a + b + 2) as f64)
+                2.0 * PI * odd_factorial(a) * odd_factorial(b) / (even_factorial(a + b) * (a + b + 2) as f64)
             }
             Shape::Rectangle => 4.0 / ((a + 1) * (b + 1)) as f64,
         };
