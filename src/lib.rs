@@ -2,5 +2,6 @@
 
 pub mod error;
 pub mod model;
+pub mod plot;
 pub mod results;
 pub mod section;
