@@ -2,4 +2,5 @@
 //! the same results always give the same bytes. All figures share the look defined in [`style`].
 
 pub mod campbell;
+pub mod modes;
 pub mod style;
