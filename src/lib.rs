@@ -6,6 +6,7 @@ pub mod element;
 pub mod error;
 pub mod linalg;
 pub mod model;
+pub mod plot;
 pub mod results;
 pub mod section;
 pub mod support;

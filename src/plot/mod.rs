@@ -1,0 +1,6 @@
+//! Figures of the results as SVG text. Plots see only [`crate::results`], never the model or an analysis, and
+//! the same results always give the same bytes. All figures share the look defined in [`style`].
+
+pub mod campbell;
+pub mod modes;
+pub mod style;

@@ -1,0 +1,222 @@
+//! Figures of synthetic results: well-formed, complete, inside their page, the same every time.
+
+mod data;
+
+use rotor::plot::{campbell, modes, style};
+use rotor::results::*;
+
+/// A text and the box it takes: left, top, right, bottom.
+type Label = (String, [f64; 4]);
+
+/// Checks what holds for every figure and returns its texts.
+fn checked(svg: &str) -> Vec<String> {
+    labels(svg).into_iter().map(|(text, _)| text).collect()
+}
+
+/// Checks what holds for every figure and returns its texts with their boxes.
+fn labels(svg: &str) -> Vec<Label> {
+    let document = roxmltree::Document::parse(svg).expect("well-formed XML");
+    let root = document.root_element();
+    let page: Vec<f64> =
+        root.attribute("viewBox").expect("a viewBox").split(' ').map(|n| n.parse().unwrap()).collect();
+    for attribute in document.descendants().flat_map(|node| node.attributes()) {
+        assert!(!attribute.value().contains("NaN"), "{attribute:?}");
+        assert!(!attribute.value().contains("inf"), "{attribute:?}");
+    }
+    let mut texts = Vec::new();
+    for node in document.descendants().filter(|node| node.has_tag_name("text")) {
+        let text = node.text().unwrap_or_default().trim().to_owned();
+        let number = |name: &str| node.attribute(name).unwrap().parse::<f64>().unwrap();
+        let (x, y, size) = (number("x"), number("y"), number("font-size"));
+        let width = style::text_width(&text, size);
+        let before = match node.attribute("text-anchor") {
+            Some("middle") => width / 2.0,
+            Some("end") => width,
+            _ => 0.0,
+        };
+        let place = match node.attribute("transform") {
+            Some(_) => [x, y - width / 2.0, x + size, y + width / 2.0],
+            None => [x - before, y, x - before + width, y + size],
+        };
+        let inside = place[0] >= 0.0 && place[1] >= 0.0 && place[2] <= page[2] && place[3] <= page[3];
+        assert!(inside, "{text:?} takes {place:?} of {page:?}");
+        texts.push((text, place));
+    }
+    texts
+}
+
+fn drawn(results: Campbell) -> Vec<String> {
+    let names: Vec<String> = results.branches.iter().map(|branch| branch.name.clone()).collect();
+    let report = data::report("A rotor", results);
+    let svg = campbell::svg(&report).expect("a diagram");
+    assert_eq!(svg, campbell::svg(&report).expect("the same diagram"));
+    let texts = checked(&svg);
+    for name in names {
+        assert!(texts.iter().any(|text| text.contains(&name)), "{name} is missing");
+    }
+    texts
+}
+
+#[test]
+fn texts_do_not_overlap() {
+    let single = [523.6];
+    let lone = [10.0, 42.0, 43.0, 80.0].into_iter().enumerate();
+    let lone = lone.flat_map(|(index, hz)| data::pair(index + 1, hz, 0.05, 0.01, &single)).collect();
+    let lone = data::campbell(single.to_vec(), lone, Vec::new());
+    let diagrams = [data::rotor(), data::damped(), data::crowded(), lone];
+    let figures = diagrams.map(|results| campbell::svg(&data::report("A rotor", results)).unwrap());
+    let shapes = modes::svg(&data::report("A free tube", data::tube_modes())).unwrap();
+    for svg in figures.iter().chain([&shapes]) {
+        let labels = labels(svg);
+        for (index, (text, a)) in labels.iter().enumerate() {
+            for (other, b) in &labels[index + 1..] {
+                let apart = a[2] <= b[0] || b[2] <= a[0] || a[3] <= b[1] || b[3] <= a[1];
+                assert!(apart, "{text:?} at {a:?} and {other:?} at {b:?}");
+            }
+        }
+    }
+}
+
+fn shows(texts: &[String], words: &str) -> bool {
+    texts.iter().any(|text| text.contains(words))
+}
+
+#[test]
+fn a_campbell_diagram_names_branches_orders_and_critical_speeds() {
+    let texts = drawn(data::rotor());
+    for words in
+        ["1x", "2x", "Spin speed (rpm)", "Whirl frequency (Hz)", "620.13", "621.87", "10", "forward whirl"]
+    {
+        assert!(texts.iter().any(|text| text == words), "{words} is missing");
+    }
+    assert!(!shows(&texts, "unstable"));
+    assert!(shows(&texts, "Modelled: gyroscopic moments"));
+}
+
+#[test]
+fn instability_and_damping_are_marked_only_where_present() {
+    let texts = drawn(data::damped());
+    assert!(shows(&texts, "unstable") && shows(&texts, "damped (d)") && shows(&texts, "1F (d)"));
+}
+
+#[test]
+fn more_critical_speeds_than_rows_are_counted() {
+    let results = data::crowded();
+    let more = format!("and {} more, see the report", results.critical_speeds.len() - 20);
+    assert!(shows(&drawn(results), &more));
+}
+
+#[test]
+fn a_rotating_frame_shows_its_own_excitation_lines() {
+    let mut results = data::rotor();
+    results.frame = "rotating";
+    let texts = drawn(results);
+    assert!(shows(&texts, "1x bwd") && shows(&texts, "rotating frame"));
+}
+
+#[test]
+fn odd_results_are_drawn_all_the_same() {
+    let lone = [523.6];
+    let one = |hz| data::branch("T1", Whirl::None, ModeKind::Torsion, &lone, move |_| hz);
+    let beyond = data::critical(9e3, "T1", Whirl::None, ModeKind::Torsion, false);
+    drawn(data::campbell(Vec::new(), Vec::new(), Vec::new()));
+    drawn(data::campbell(data::speeds(1000.0, 11), Vec::new(), Vec::new()));
+    drawn(data::campbell(vec![0.0], vec![one(Some(3.0))], Vec::new()));
+    drawn(data::campbell(lone.to_vec(), vec![one(Some(120.0))], vec![beyond]));
+    assert!(shows(
+        &drawn(data::campbell(lone.to_vec(), vec![one(None)], Vec::new())),
+        "Nowhere oscillating: T1"
+    ));
+    drawn(data::campbell(lone.to_vec(), vec![one(Some(f64::NAN))], Vec::new()));
+    for top in [1e-300, 1e-3, 1e6, 1e300] {
+        let speeds = data::speeds(top, 5);
+        for hz in [0.0, 1e-12, 1.0, 1e9, 1e300] {
+            let branches = data::pair(1, hz, 0.0, 0.1, &speeds).to_vec();
+            let found = data::criticals(&branches, &speeds);
+            drawn(data::campbell(speeds.clone(), branches, found));
+        }
+    }
+}
+
+#[test]
+fn missing_values_break_the_line() {
+    let speeds = data::speeds(100.0, 5);
+    let lines = |gap: bool| {
+        let hz = |speed: f64| (!gap || speed != 50.0).then_some(7.0);
+        let branch = data::branch("1F", Whirl::Forward, ModeKind::Bending, &speeds, hz);
+        let svg =
+            campbell::svg(&data::report("", data::campbell(speeds.clone(), vec![branch], vec![]))).unwrap();
+        svg.matches("stroke=\"#005494\"").count()
+    };
+    // One line in the legend, one or two in the diagram.
+    assert_eq!((lines(false), lines(true)), (2, 3));
+}
+
+#[test]
+fn many_branches_far_apart_do_not_squeeze_the_others() {
+    let mut results = data::rotor();
+    let high = data::branch("S1", Whirl::None, ModeKind::Section, &results.speeds_rad_s, |_| Some(40e3));
+    results.branches.push(high);
+    assert!(shows(&drawn(results), "Outside the diagram: S1"));
+}
+
+#[test]
+fn titles_are_escaped_and_shortened() {
+    let title = format!("<b>\"A\" & 'B'</b> \u{1}{}", "much too long ".repeat(40));
+    let svg = campbell::svg(&data::report(&title, data::rotor())).unwrap();
+    let texts = checked(&svg);
+    assert!(texts[0].contains("<b>\"A\" & 'B'</b>"), "{}", texts[0]);
+    assert!(texts[1].ends_with('…'), "{}", texts[1]);
+    checked(&campbell::svg(&data::report(&"x".repeat(500), data::rotor())).unwrap());
+    checked(&campbell::svg(&data::report("", data::rotor())).unwrap());
+}
+
+#[test]
+fn failed_checks_are_not_hidden() {
+    let mut report = data::report("A rotor", data::rotor());
+    report.diagnostics.push(Diagnostic::error("lost", "a branch was lost"));
+    assert!(shows(&checked(&campbell::svg(&report).unwrap()), "One check failed"));
+}
+
+fn drawn_modes(results: Modes) -> Vec<String> {
+    let report = data::report("A free tube", results);
+    let svg = modes::svg(&report).expect("a figure");
+    assert_eq!(svg, modes::svg(&report).expect("the same figure"));
+    checked(&svg)
+}
+
+#[test]
+fn mode_shapes_show_twelve_and_count_the_others() {
+    let texts = drawn_modes(data::tube_modes());
+    for words in ["7: 161.27 Hz, bending, order 1", "18: 1935.2 Hz, section, order 4", "twist × outer radius"]
+    {
+        assert!(shows(&texts, words), "{words} is missing");
+    }
+    assert!(!shows(&texts, "19: "));
+    assert!(shows(&texts, "6 rigid modes left out. 2 further modes not shown."));
+}
+
+#[test]
+fn odd_mode_shapes_are_drawn_all_the_same() {
+    let none = Modes { rigid_modes: 0, modes: Vec::new(), sturm_count_agrees: false };
+    let texts = drawn_modes(none);
+    assert!(shows(&texts, "No elastic modes") && shows(&texts, "Sturm count disagrees"));
+    let huge = data::shape(|_| [f64::NAN, 1e300, 0.0], |_| 1e300, |_, _| [0.0, 1e200, f64::INFINITY]);
+    let still = data::shape(|_| [0.0; 3], |_| 0.0, |_, _| [0.0; 3]);
+    let ragged = ModeShape { outlines: vec![vec![[0.0, 0.0]], Vec::new()], x_m: vec![1.0], ..still.clone() };
+    let shapes = [huge, still, ragged, ModeShape::default()];
+    let modes = shapes.into_iter().enumerate().flat_map(|(index, shape)| {
+        [ModeKind::Bending, ModeKind::Torsion, ModeKind::Axial]
+            .map(|kind| data::mode(index + 1, f64::NAN, kind, 1, shape.clone()))
+    });
+    drawn_modes(Modes { rigid_modes: 0, modes: modes.collect(), sturm_count_agrees: true });
+}
+
+#[test]
+fn curves_keep_fractions_of_a_pixel() {
+    let svg = campbell::svg(&data::report("A rotor", data::rotor())).unwrap();
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let root = document.root_element();
+    let shown: f64 = root.attribute("width").unwrap().parse().unwrap();
+    assert!(root.attribute("viewBox").unwrap().starts_with(&format!("0 0 {} ", shown * style::SCALE)));
+}
