@@ -195,9 +195,14 @@ fn write_matrices(arguments: &RunArguments) -> Result<ExitCode> {
     let (loaded, folder) = load(arguments)?;
     let model = Model::new(&loaded)?;
     let (rows, list) = matrices(&model);
-    let mut pending: Vec<(String, String)> =
-        list.iter().map(|m| (format!("{}.mtx", m.name), matrix_market::text(m, &loaded.case.title))).collect();
-    pending.push(("matrices.json".to_owned(), json::text(&matrix_market::sidecar(&rows, &list, &loaded.sha256))));
+    let mut pending: Vec<(String, String)> = list
+        .iter()
+        .map(|m| (format!("{}.mtx", m.name), matrix_market::text(m, &loaded.case.title)))
+        .collect();
+    pending.push((
+        "matrices.json".to_owned(),
+        json::text(&matrix_market::sidecar(&rows, &list, &loaded.sha256)),
+    ));
     let paths = files::write_all(&folder, &pending)?;
     if !arguments.quiet {
         let mut text = format!("{} unknowns, unconstrained, physical units\n", rows.len());
@@ -230,7 +235,8 @@ fn validate_cases(arguments: &ValidateArguments) -> Result<ExitCode> {
 
 fn all_cases() -> Result<Vec<PathBuf>> {
     let folder = Path::new("cases");
-    let entries = std::fs::read_dir(folder).map_err(|e| Error::io(folder, "read this folder of cases", &e))?;
+    let entries =
+        std::fs::read_dir(folder).map_err(|e| Error::io(folder, "read this folder of cases", &e))?;
     let mut paths: Vec<PathBuf> = entries
         .filter_map(|entry| entry.ok().map(|e| e.path()))
         .filter(|path| path.extension().is_some_and(|e| e == "json"))

@@ -1,12 +1,36 @@
 //! Rotordynamics on the higher-order ANCF beam element 34X3.
+//!
+//! Data flows one way; each module uses only what stands before it:
+//! `units, error -> case -> model -> element -> assembly -> analysis -> results -> plot, report -> cli`.
+//!
+//! ```
+//! use rotor::{analysis::modes::modes, case::LoadedCase, model::Model};
+//!
+//! let case = serde_json::json!({
+//!     "title": "free bar",
+//!     "materials": { "steel": { "E": "210 GPa", "nu": 0.3, "rho": 7850 } },
+//!     "sections": { "round": { "shape": "circle", "radius": "50 mm" } },
+//!     "shaft": { "segments": [{ "length": 1.0, "elements": 4, "section": "round", "material": "steel" }] }
+//! });
+//! let model = Model::new(&LoadedCase::from_value("free bar", case)?)?;
+//! let found = modes(&model)?.results;
+//! assert_eq!(found.rigid_modes, 6);
+//! # Ok::<(), rotor::error::Error>(())
+//! ```
 
 pub mod analysis;
 pub mod assembly;
+pub mod case;
+pub mod cli;
 pub mod element;
 pub mod error;
 pub mod linalg;
 pub mod model;
 pub mod plot;
+pub mod report;
 pub mod results;
+pub mod run;
 pub mod section;
 pub mod support;
+pub mod units;
+pub mod validate;

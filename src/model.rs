@@ -1,7 +1,17 @@
 //! The checked model: what a case file means, free of units, names and optional keys.
 //! Every number is finite, SI, and in its allowed range; every position is a node.
 
+mod build;
+mod mesh;
+
 use crate::section::Section;
+
+/// Peak memory of a run in bytes: system matrices, one factor and the vectors of the eigenvalue solver,
+/// for a mesh with so many unknowns and so many unknowns a node.
+pub fn estimated_memory(unknowns: f64, per_node: f64) -> f64 {
+    let half_band = 4.0 * per_node;
+    unknowns * 8.0 * (4.0 * half_band + 300.0)
+}
 
 /// Isotropic linear elastic material with Kelvin-Voigt and external damping.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -70,14 +70,18 @@ pub fn run(
         }
         Analysis::Modes => {
             let report = report(loaded, analysis::modes::modes(&model)?);
-            let svg = if plots { vec![("modes.svg".to_owned(), plot::modes::svg(&report)?)] } else { Vec::new() };
+            let svg =
+                if plots { vec![("modes.svg".to_owned(), plot::modes::svg(&report)?)] } else { Vec::new() };
             finish(&report, svg, table::modes(&report.results))
         }
         Analysis::Campbell => {
             let settings = model.campbell.as_ref().ok_or_else(|| missing_block(loaded, "campbell"))?;
             let report = report(loaded, analysis::campbell::campbell(&model, settings, progress)?);
-            let svg =
-                if plots { vec![("campbell.svg".to_owned(), plot::campbell::svg(&report)?)] } else { Vec::new() };
+            let svg = if plots {
+                vec![("campbell.svg".to_owned(), plot::campbell::svg(&report)?)]
+            } else {
+                Vec::new()
+            };
             finish(&report, svg, table::campbell(&report.results))
         }
     }
@@ -101,7 +105,8 @@ fn missing_block(loaded: &LoadedCase, name: &str) -> Error {
         path: name.to_owned(),
         value: "missing".to_owned(),
         problem: format!("the case has no `{name}` block"),
-        allowed: r#"for example "campbell": { "speeds": { "from": 0, "to": "10000 rpm", "count": 101 } }"#.to_owned(),
+        allowed: r#"for example "campbell": { "speeds": { "from": 0, "to": "10000 rpm", "count": 101 } }"#
+            .to_owned(),
     }
 }
 
@@ -120,9 +125,14 @@ fn report<R>(loaded: &LoadedCase, outcome: Outcome<R>) -> Report<R> {
     }
 }
 
-fn finish<R: Serialize>(report: &Report<R>, plots: Vec<(String, String)>, results: String) -> Result<Finished> {
-    let json = serde_json::to_value(report)
-        .map_err(|e| Error::analysis("the report could not be written as JSON", e.to_string(), "report this"))?;
+fn finish<R: Serialize>(
+    report: &Report<R>,
+    plots: Vec<(String, String)>,
+    results: String,
+) -> Result<Finished> {
+    let json = serde_json::to_value(report).map_err(|e| {
+        Error::analysis("the report could not be written as JSON", e.to_string(), "report this")
+    })?;
     let table = format!(
         "{}\n{}\n{results}\n{}",
         report.case.title,

@@ -118,7 +118,9 @@ fn lookup(report: &Value, expected: &Expected) -> Vec<Option<f64>> {
             .into_iter()
             .flat_map(|value| match (value, step) {
                 (Value::Array(list), "*") => matching(list, expected),
-                (Value::Array(list), _) => step.parse::<usize>().ok().and_then(|i| list.get(i)).into_iter().collect(),
+                (Value::Array(list), _) => {
+                    step.parse::<usize>().ok().and_then(|i| list.get(i)).into_iter().collect()
+                }
                 (Value::Object(map), _) => map.get(step).into_iter().collect(),
                 _ => Vec::new(),
             })

@@ -3,7 +3,7 @@
 use super::{Outcome, ignored_input, summary};
 use crate::assembly::Assembly;
 use crate::error::Result;
-use crate::model::Model;
+use crate::model::{Model, estimated_memory};
 use crate::results::{Check, Diagnostic};
 
 /// Time of the eigenvalue solver per unknown of a fine 34X3 mesh, measured on one core of a desktop, s.
@@ -68,13 +68,6 @@ pub fn properties(model: &Model) -> Properties {
     p
 }
 
-/// Peak memory of a run in bytes: system matrices, one factor and the vectors of the eigenvalue solver,
-/// for a mesh with so many unknowns and so many unknowns a node.
-pub fn estimated_memory(unknowns: usize, per_node: usize) -> f64 {
-    let half_band = 4.0 * per_node as f64;
-    unknowns as f64 * 8.0 * (4.0 * half_band + 300.0) + 2e7
-}
-
 /// Size, mass properties and what each analysis will model.
 ///
 /// # Errors
@@ -99,8 +92,10 @@ pub fn check(model: &Model) -> Result<Outcome<Check>> {
         polar_inertia_kg_m2: p.polar,
         inertia_y_kg_m2: p.diametral[0],
         inertia_z_kg_m2: p.diametral[1],
-        estimated_memory_mb: estimated_memory(unknowns, assembly.numbering.len() / model.nodes.len().max(1))
-            / 1e6,
+        estimated_memory_mb: estimated_memory(
+            unknowns as f64,
+            assembly.numbering.len() as f64 / model.nodes.len() as f64,
+        ) / 1e6,
         estimated_time_s: time,
     };
     let mut model_summary = summary(model, unknowns, p.mass());

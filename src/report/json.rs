@@ -93,7 +93,8 @@ mod tests {
 
     #[test]
     fn text_reads_back_and_is_rounded() {
-        let value = json!({"a": [1.0, 0.1 + 0.2, null], "b": {"c": [], "d": [{"e": 1e-300}, "x\"y"]}, "n": 3});
+        let value =
+            json!({"a": [1.0, 0.1 + 0.2, null], "b": {"c": [], "d": [{"e": 1e-300}, "x\"y"]}, "n": 3});
         let text = text(&value);
         assert!(text.contains("0.3,") && !text.contains("0.30000000000000004"));
         let back: Value = serde_json::from_str(&text).unwrap();

@@ -1,6 +1,6 @@
 //! Short tables for the terminal.
 
-use crate::results::{Campbell, Check, Diagnostic, Level, Modes, ModelSummary};
+use crate::results::{Campbell, Check, Diagnostic, Level, ModelSummary, Modes};
 use std::f64::consts::TAU;
 
 /// Columns of text, right-aligned under their heads; the last column is left-aligned.
@@ -70,7 +70,8 @@ pub fn modes(results: &Modes) -> String {
 
 /// Critical speeds and the branches at the ends of the sweep.
 pub fn campbell(results: &Campbell) -> String {
-    let hz = |f: Option<&Option<f64>>| f.copied().flatten().map_or("-".to_owned(), |f| format!("{:.4}", f / TAU));
+    let hz =
+        |f: Option<&Option<f64>>| f.copied().flatten().map_or("-".to_owned(), |f| format!("{:.4}", f / TAU));
     let rows: Vec<Vec<String>> = results
         .branches
         .iter()
@@ -86,8 +87,10 @@ pub fn campbell(results: &Campbell) -> String {
             ]
         })
         .collect();
-    let mut text =
-        columns(&["branch", "Hz at first speed", "Hz at last speed", "least log decrement", "whirl", "kind"], &rows);
+    let mut text = columns(
+        &["branch", "Hz at first speed", "Hz at last speed", "least log decrement", "whirl", "kind"],
+        &rows,
+    );
     text += "\n  critical speeds\n";
     if results.critical_speeds.is_empty() {
         return text + "  none within the sweep\n";

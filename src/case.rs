@@ -1,0 +1,686 @@
+//! The case file exactly as written: keys, defaults, units; no meaning yet (that is [`crate::model`]).
+//! Unknown keys are errors. The documentation of each key is also that of the JSON Schema.
+
+use crate::error::{Error, Result};
+use crate::units::{
+    Acceleration, Damping, Density, Force, Inertia, Length, Mass, Moment, Rate, Speed, Stiffness, Stress,
+    Time,
+};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// A rotor and what to do with it.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// One line that names the case; it heads reports and plots.
+    pub title: String,
+    /// What the case shows.
+    #[serde(default)]
+    pub description: String,
+    /// Where the numbers come from.
+    #[serde(default)]
+    pub source: String,
+    /// Materials by name.
+    pub materials: BTreeMap<String, Material>,
+    /// Cross-sections by name.
+    pub sections: BTreeMap<String, Section>,
+    /// The shaft, segment by segment from x = 0.
+    pub shaft: Shaft,
+    /// Rigid disks.
+    #[serde(default)]
+    pub disks: Vec<Disk>,
+    /// Supports and bearings. A shaft without any is legal.
+    #[serde(default)]
+    pub supports: Vec<Support>,
+    /// Gravity vector, m/s^2 (linear analyses leave it out).
+    #[serde(default)]
+    pub gravity: Option<[Acceleration; 3]>,
+    /// Loads (linear analyses leave them out).
+    #[serde(default)]
+    pub loads: Vec<Load>,
+    /// Places where displacements are read.
+    #[serde(default)]
+    pub probes: Vec<Probe>,
+    /// Natural modes.
+    #[serde(default)]
+    pub modes: Modes,
+    /// Sweep of the spin speed.
+    #[serde(default)]
+    pub campbell: Option<Campbell>,
+    /// Values that `rotor validate` checks.
+    #[serde(default)]
+    pub expected: Vec<Expected>,
+}
+
+/// Isotropic elastic material.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    /// Young's modulus.
+    #[serde(rename = "E")]
+    pub youngs_modulus: Stress,
+    /// Poisson's ratio, between -1 and 0.5.
+    pub nu: f64,
+    /// Density.
+    pub rho: Density,
+    /// Material damping.
+    #[serde(default)]
+    pub damping: MaterialDamping,
+}
+
+/// Damping of a material.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialDamping {
+    /// Kelvin-Voigt factor beta of S = C : (E + beta dE/dt), s.
+    #[serde(default = "no_time")]
+    pub stiffness: Time,
+    /// External damping alpha: force -alpha M v, 1/s.
+    #[serde(default = "no_rate")]
+    pub mass: Rate,
+}
+
+impl Default for MaterialDamping {
+    fn default() -> Self {
+        Self { stiffness: no_time(), mass: no_rate() }
+    }
+}
+
+fn no_time() -> Time {
+    Time(0.0)
+}
+
+fn no_rate() -> Rate {
+    Rate(0.0)
+}
+
+/// Shape of a cross-section.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum SectionShape {
+    /// `radius`
+    Circle,
+    /// `outer_radius`, `inner_radius`
+    Tube,
+    /// `semi_axis_y`, `semi_axis_z`, optionally `inner_semi_axis_y` and `inner_semi_axis_z`
+    Ellipse,
+    /// `height` along y, `width` along z
+    Rectangle,
+}
+
+/// Cross-section; which keys it takes depends on the shape.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Section {
+    /// Shape: circle (radius), tube (outer_radius, inner_radius), ellipse (semi_axis_y, semi_axis_z and
+    /// inner_semi_axis_y, inner_semi_axis_z), rectangle (height, width).
+    pub shape: SectionShape,
+    /// Radius of a circle.
+    pub radius: Option<Length>,
+    /// Outer radius of a tube.
+    pub outer_radius: Option<Length>,
+    /// Inner radius of a tube.
+    pub inner_radius: Option<Length>,
+    /// Outer semi-axis of an ellipse along y.
+    pub semi_axis_y: Option<Length>,
+    /// Outer semi-axis of an ellipse along z.
+    pub semi_axis_z: Option<Length>,
+    /// Inner semi-axis of a hollow ellipse along y.
+    pub inner_semi_axis_y: Option<Length>,
+    /// Inner semi-axis of a hollow ellipse along z.
+    pub inner_semi_axis_z: Option<Length>,
+    /// Full height of a rectangle along y.
+    pub height: Option<Length>,
+    /// Full width of a rectangle along z.
+    pub width: Option<Length>,
+}
+
+/// The shaft.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Shaft {
+    /// Element of all segments that name none: 34X1 .. 34X5 (34X3 the default), 3333c, 3333s.
+    #[serde(default = "default_element")]
+    pub element: String,
+    /// Segments, laid end to end from x = 0.
+    pub segments: Vec<Segment>,
+}
+
+fn default_element() -> String {
+    "34X3".to_owned()
+}
+
+/// A stretch of shaft of one section and material.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Segment {
+    /// Length.
+    pub length: Length,
+    /// Number of elements, at least 1; disks, supports and loads within may add some.
+    pub elements: u64,
+    /// Name of a section.
+    pub section: String,
+    /// Name of a material.
+    pub material: String,
+    /// Element of this segment, when it differs from the shaft's.
+    pub element: Option<String>,
+}
+
+/// How a disk holds the shaft.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Hub {
+    /// The section under the disk stays undeformed.
+    #[default]
+    Rigid,
+    /// The disk's inertia acts on r, r_,y and r_,z; the section may deform.
+    Soft,
+}
+
+/// A rigid disk, given by its inertia or by its geometry.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Disk {
+    /// Position along the shaft.
+    pub at: Length,
+    /// Mass (with polar_inertia and diametral_inertia).
+    pub mass: Option<Mass>,
+    /// Inertia about the shaft axis.
+    pub polar_inertia: Option<Inertia>,
+    /// Inertia about a diameter, at least half the polar inertia.
+    pub diametral_inertia: Option<Inertia>,
+    /// Outer radius (with thickness and rho).
+    pub radius: Option<Length>,
+    /// Radius of the bore, default 0.
+    pub inner_radius: Option<Length>,
+    /// Thickness.
+    pub thickness: Option<Length>,
+    /// Density.
+    pub rho: Option<Density>,
+    /// Whether the thickness adds m t^2/12 to the diametral inertia, default true.
+    pub thickness_inertia: Option<bool>,
+    /// Offset of the centre of mass along y and z.
+    pub offset: Option<[Length; 2]>,
+    /// How it holds the shaft, default rigid.
+    #[serde(default)]
+    pub hub: Hub,
+}
+
+/// Kind of a support.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum SupportKind {
+    /// No displacement, tilt or rotation.
+    Clamped,
+    /// As clamped, rotating with the drive.
+    Revolute,
+    /// As revolute, free along the axis.
+    Cylindrical,
+    /// No mean displacement; tilt free.
+    Pinned,
+    /// No mean displacement in y and z; tilt free.
+    Roller,
+    /// Linear springs and dampers in y and z.
+    Bearing,
+}
+
+/// How a clamped, revolute or cylindrical support holds the section.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum SectionHold {
+    /// It stays plane and may expand in its plane (default).
+    Plane,
+    /// It keeps its shape.
+    Rigid,
+}
+
+/// What a support or load takes hold of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum ActsOn {
+    /// The whole section (default).
+    Section,
+    /// The axis vector only.
+    Axis,
+}
+
+/// A support: either a `kind` or `fix`.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Support {
+    /// Position along the shaft.
+    pub at: Length,
+    /// Kind of support.
+    pub kind: Option<SupportKind>,
+    /// Exactly these components: vector names (r, y, z, yz, yy, zz, ..; "all") or components ("y.x").
+    pub fix: Option<Vec<String>>,
+    /// Clamped, revolute, cylindrical: how the section is held.
+    pub section: Option<SectionHold>,
+    /// Revolute, cylindrical: rotation prescribed by the drive (default) or free.
+    pub driven: Option<bool>,
+    /// Pinned, roller, bearing: on the section (default) or on the axis only.
+    pub acts_on: Option<ActsOn>,
+    /// Bearing: [[kyy, kyz], [kzy, kzz]].
+    pub stiffness: Option<[[Stiffness; 2]; 2]>,
+    /// Bearing: [[cyy, cyz], [czy, czz]], default zero.
+    pub damping: Option<[[Damping; 2]; 2]>,
+}
+
+/// Which part of the lateral surface a traction acts on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Surface {
+    /// Upper half (or upper face of a rectangle).
+    Top,
+    /// Lower half (or lower face).
+    Bottom,
+}
+
+/// A load: force or moment at a position, or traction on a surface.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Load {
+    /// Position along the shaft, for force and moment.
+    pub at: Option<Length>,
+    /// Force.
+    pub force: Option<[Force; 3]>,
+    /// Moment.
+    pub moment: Option<[Moment; 3]>,
+    /// On the section (default) or on the axis only.
+    pub acts_on: Option<ActsOn>,
+    /// Part of the lateral surface, for traction.
+    pub surface: Option<Surface>,
+    /// Force per area.
+    pub traction: Option<[Stress; 3]>,
+    /// Whether the traction follows the surface, default false.
+    pub follower: Option<bool>,
+}
+
+/// Direction of a line of probe points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Line {
+    /// Along y.
+    Y,
+    /// Along z.
+    Z,
+}
+
+/// A point of a section, or a line of points across it.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    /// Name in reports.
+    pub name: String,
+    /// Position along the shaft.
+    pub at: Length,
+    /// Position in the section, default 0.
+    pub y: Option<Length>,
+    /// Position in the section, default 0.
+    pub z: Option<Length>,
+    /// Points from the centre to the surface along y or z instead of one point.
+    pub line: Option<Line>,
+    /// Number of points of a line, at least 2.
+    pub points: Option<u32>,
+}
+
+/// Natural modes.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Modes {
+    /// Modes to report, rigid ones included.
+    #[serde(default = "thirty")]
+    pub count: u32,
+}
+
+fn thirty() -> u32 {
+    30
+}
+
+impl Default for Modes {
+    fn default() -> Self {
+        Self { count: thirty() }
+    }
+}
+
+/// Frame in which frequencies are seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Frame {
+    /// Fixed in space.
+    Stationary,
+    /// Turning with the shaft (not part of this version).
+    Rotating,
+}
+
+/// Form of the linear equations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Form {
+    /// Stiffness of the undeformed shaft, gyroscopic terms.
+    Classical,
+    /// With centrifugal stiffening and softening (not part of this version).
+    Consistent,
+}
+
+/// Whose gyroscopic terms act.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Gyroscopic {
+    /// Shaft and disks.
+    #[default]
+    All,
+    /// Disks only.
+    Disks,
+    /// None.
+    None,
+}
+
+/// Sweep of the spin speed.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Campbell {
+    /// Speeds.
+    pub speeds: SpeedRange,
+    /// Whirl branches to report.
+    #[serde(default = "twelve")]
+    pub modes: u32,
+    /// Frame, default stationary.
+    pub frame: Option<Frame>,
+    /// Form, default classical.
+    pub form: Option<Form>,
+    /// Size of the modal basis (at least modes + 8), or "none".
+    #[serde(default)]
+    pub reduction: ReductionSize,
+    /// Whose gyroscopic terms act.
+    #[serde(default)]
+    pub gyroscopic: Gyroscopic,
+    /// Excitation orders to draw besides 1x.
+    #[serde(default)]
+    pub orders: Vec<f64>,
+}
+
+fn twelve() -> u32 {
+    12
+}
+
+/// Equally spaced speeds.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpeedRange {
+    /// First speed, default 0.
+    #[serde(default = "no_speed")]
+    pub from: Speed,
+    /// Last speed.
+    pub to: Speed,
+    /// Number of speeds.
+    #[serde(default = "hundred_and_one")]
+    pub count: u32,
+}
+
+fn no_speed() -> Speed {
+    Speed(0.0)
+}
+
+fn hundred_and_one() -> u32 {
+    101
+}
+
+/// Size of the modal basis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReductionSize {
+    /// That many vectors.
+    Basis(u32),
+    /// The unreduced problem.
+    None,
+}
+
+impl Default for ReductionSize {
+    fn default() -> Self {
+        Self::Basis(60)
+    }
+}
+
+impl Serialize for ReductionSize {
+    fn serialize<S: serde::Serializer>(&self, s: S) -> std::result::Result<S::Ok, S::Error> {
+        match self {
+            Self::Basis(n) => s.serialize_u32(*n),
+            Self::None => s.serialize_str("none"),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for ReductionSize {
+    fn deserialize<D: serde::Deserializer<'de>>(d: D) -> std::result::Result<Self, D::Error> {
+        match Value::deserialize(d)? {
+            Value::String(text) if text == "none" => Ok(Self::None),
+            Value::Number(n) if n.as_u64().is_some_and(|n| u32::try_from(n).is_ok()) => {
+                Ok(Self::Basis(n.as_u64().and_then(|n| u32::try_from(n).ok()).unwrap_or(0)))
+            }
+            other => Err(serde::de::Error::custom(format!(
+                "invalid value {other}: expected a whole number or \"none\""
+            ))),
+        }
+    }
+}
+
+impl JsonSchema for ReductionSize {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "ReductionSize".into()
+    }
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({ "anyOf": [{ "type": "integer", "minimum": 1 }, { "const": "none" }] })
+    }
+}
+
+/// A value that `rotor validate` checks: |ours - value| <= atol + rtol |value|.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Expected {
+    /// Overrides for this check, JSON path to value, as with --set.
+    pub set: Option<Map<String, Value>>,
+    /// Analysis: check, modes or campbell (default campbell if the case has such a block, else modes).
+    pub analysis: Option<String>,
+    /// Path of the value in the report; `*` stands for the entries of a list.
+    pub path: String,
+    /// Which entries of the list at `*`.
+    #[serde(rename = "where")]
+    pub filter: Option<Filter>,
+    /// Reference: a number, or a list of numbers for the entries at `*`.
+    pub value: Value,
+    /// Relative tolerance.
+    pub rtol: Option<f64>,
+    /// Absolute tolerance.
+    pub atol: Option<f64>,
+    /// What the source prints, shown beside.
+    pub published: Option<Value>,
+    /// Where the reference comes from.
+    pub source: String,
+}
+
+/// Picks entries of a list by the values of their keys.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+pub struct Filter {
+    /// Which of the matching entries, from 1; without it all.
+    pub n: Option<usize>,
+    /// Keys and the values they must have.
+    #[serde(flatten)]
+    pub fields: Map<String, Value>,
+}
+
+/// A case with where it came from.
+#[derive(Debug, Clone)]
+pub struct LoadedCase {
+    /// The case.
+    pub case: Case,
+    /// The JSON it was read from, overrides included.
+    pub value: Value,
+    /// File as given on the command line.
+    pub file: String,
+    /// SHA-256 of the JSON.
+    pub sha256: String,
+}
+
+impl Case {
+    /// Reads a case file and applies `path=value` overrides.
+    ///
+    /// # Errors
+    /// A file that can't be read, is not JSON, or has unknown keys or wrong types; a bad override.
+    pub fn load(path: &Path, set: &[String]) -> Result<LoadedCase> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "read", &e))?;
+        let mut value: Value = serde_json::from_str(&text).map_err(|e| Error::Syntax {
+            file: file.clone(),
+            line: e.line(),
+            column: e.column(),
+            message: e.to_string().split(" at line ").next().unwrap_or_default().to_owned(),
+        })?;
+        for item in set {
+            let (path, text) = item.split_once('=').ok_or_else(|| {
+                Error::Usage(format!("--set {item}: write PATH=VALUE, e.g. shaft.segments.0.elements=8"))
+            })?;
+            let new = serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.to_owned()));
+            replace(&mut value, path, new)?;
+        }
+        LoadedCase::from_value(&file, value)
+    }
+}
+
+impl LoadedCase {
+    /// A case from JSON in memory.
+    ///
+    /// # Errors
+    /// Unknown keys or wrong types.
+    pub fn from_value(file: &str, value: Value) -> Result<Self> {
+        let case: Case = serde_path_to_error::deserialize(&value).map_err(|e| {
+            let path = e.path().to_string();
+            input_error(file, &value, path.trim_start_matches('.'), &e.into_inner().to_string())
+        })?;
+        let sha256 = Sha256::digest(value.to_string()).iter().map(|byte| format!("{byte:02x}")).collect();
+        Ok(Self { case, value, file: file.to_owned(), sha256 })
+    }
+
+    /// The same case with overrides.
+    ///
+    /// # Errors
+    /// A bad override.
+    pub fn with(&self, set: &Map<String, Value>) -> Result<Self> {
+        let mut value = self.value.clone();
+        for (path, new) in set {
+            replace(&mut value, path, new.clone())?;
+        }
+        Self::from_value(&self.file, value)
+    }
+
+    /// An [`Error::Input`] about the value at a JSON path.
+    pub fn fault(&self, path: &str, problem: impl Into<String>, allowed: impl Into<String>) -> Error {
+        Error::Input {
+            file: self.file.clone(),
+            path: path.to_owned(),
+            value: at(&self.value, path).map_or("missing".to_owned(), short),
+            problem: problem.into(),
+            allowed: allowed.into(),
+        }
+    }
+}
+
+/// The value at a dotted path.
+fn at<'a>(value: &'a Value, path: &str) -> Option<&'a Value> {
+    path.split('.').filter(|s| !s.is_empty()).try_fold(value, |value, step| match value {
+        Value::Object(map) => map.get(step),
+        Value::Array(list) => step.parse::<usize>().ok().and_then(|i| list.get(i)),
+        _ => None,
+    })
+}
+
+/// JSON text of a value, shortened.
+fn short(value: &Value) -> String {
+    let text = value.to_string();
+    if text.chars().count() <= 80 { text } else { text.chars().take(77).collect::<String>() + "..." }
+}
+
+/// Puts a new value at a dotted path; the last key may be new.
+fn replace(value: &mut Value, path: &str, new: Value) -> Result<()> {
+    let wrong = |step: &str, there: String| {
+        Err(Error::Usage(format!("override {path}: there is no `{step}` in the case; there {there}")))
+    };
+    let mut place = value;
+    let steps: Vec<&str> = path.split('.').collect();
+    for (i, step) in steps.iter().enumerate() {
+        let last = i + 1 == steps.len();
+        place = match place {
+            Value::Object(map) => {
+                if !map.contains_key(*step) && !last {
+                    let keys: Vec<&str> = map.keys().map(String::as_str).collect();
+                    return wrong(step, format!("are the keys {}", keys.join(", ")));
+                }
+                map.entry(step.to_string()).or_insert(Value::Null)
+            }
+            Value::Array(list) => {
+                let length = list.len();
+                match step.parse::<usize>().ok().and_then(|i| list.get_mut(i)) {
+                    Some(item) => item,
+                    None => return wrong(step, format!("are {length} entries, numbered from 0")),
+                }
+            }
+            other => return wrong(step, format!("is only the value {}", short(other))),
+        };
+    }
+    *place = new;
+    Ok(())
+}
+
+/// Turns serde's words into path, value and remedy.
+fn input_error(file: &str, value: &Value, path: &str, message: &str) -> Error {
+    let mut path = path.replace('[', ".").replace(']', "");
+    let input = |path: String, found: String, problem: String, allowed: String| Error::Input {
+        file: file.to_owned(),
+        path: if path.is_empty() { "(top level)".to_owned() } else { path },
+        value: found,
+        problem,
+        allowed,
+    };
+    let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+    if let (true, Some((key, known))) = (message.starts_with("unknown field"), quoted.split_first()) {
+        if path.rsplit('.').next() != Some(key) {
+            path = if path.is_empty() { key.to_string() } else { format!("{path}.{key}") };
+        }
+        let near = nearest(key, known).map(|k| format!(", did you mean \"{k}\"?")).unwrap_or_default();
+        let found = at(value, &path).map_or_else(|| format!("\"{key}\""), short);
+        return input(path, found, format!("unknown key \"{key}\"{near}"), known.join(", "));
+    }
+    let found = at(value, &path).map_or("missing".to_owned(), short);
+    if let (true, Some((word, known))) = (message.starts_with("unknown variant"), quoted.split_first()) {
+        let near = nearest(word, known).map(|k| format!(", did you mean \"{k}\"?")).unwrap_or_default();
+        return input(path, found, format!("unknown word \"{word}\"{near}"), known.join(", "));
+    }
+    if let (true, Some(key)) = (message.starts_with("missing field"), quoted.first()) {
+        return input(
+            path,
+            found,
+            format!("the key \"{key}\" is missing"),
+            format!("add \"{key}\" (see `rotor schema`)"),
+        );
+    }
+    let (problem, allowed) = message
+        .split_once("; ")
+        .or_else(|| message.split_once(", expected "))
+        .unwrap_or((message, "see `rotor schema`"));
+    input(path, found, problem.to_owned(), allowed.to_owned())
+}
+
+/// The candidate that was probably meant.
+pub fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
+    let best = candidates.iter().map(|c| (strsim::damerau_levenshtein(word, c), *c)).min()?;
+    (best.0 <= 1 + word.chars().count() / 4).then_some(best.1)
+}
+
+/// JSON Schema of the case file.
+pub fn schema() -> Value {
+    schemars::schema_for!(Case).to_value()
+}

@@ -1,0 +1,741 @@
+//! From a case as written to a checked [`Model`]: every rule of the case format, with its remedy.
+
+use super::mesh::{Mesh, SegmentPlan};
+use super::{
+    ActsOn, Bearing, CampbellSettings, Disk, ElementKind, Gyroscopic, Hub, Law, Material, Model, Probe,
+    SectionHold, Support, SupportKind,
+};
+use crate::case::{self, Case, LoadedCase, nearest};
+use crate::element::basis::{exponents, vector_name};
+use crate::error::Result;
+use crate::section::{Section, Shape};
+use std::f64::consts::PI;
+
+/// Most memory a model may need, bytes.
+const MEMORY_LIMIT: f64 = 12e9;
+
+impl Model {
+    /// Checks a case and builds its mesh.
+    ///
+    /// # Errors
+    /// The first rule that the case breaks, with file, path, value and remedy.
+    pub fn new(loaded: &LoadedCase) -> Result<Self> {
+        let input = Input { loaded, case: &loaded.case };
+        let (materials, material_names) = input.materials()?;
+        let (sections, section_names) = input.sections()?;
+        let plans = input.segments(&section_names, &material_names, &sections)?;
+        let length: f64 = plans.iter().map(|p| p.length).sum();
+        let mesh = input.mesh(&plans, length)?;
+        let disks = input.disks(&mesh, length)?;
+        let (supports, bearings) = input.supports(&mesh, length)?;
+        input.loads(length)?;
+        let probes = input.probes(&mesh, length, &sections)?;
+        input.expected()?;
+        let used = |plan: &SegmentPlan| sections[plan.section].outer_size();
+        Ok(Self {
+            reference_length: plans.iter().map(used).fold(0.0, f64::max),
+            length,
+            has_gravity: loaded.case.gravity.is_some_and(|g| g.iter().any(|c| c.0 != 0.0)),
+            has_loads: !loaded.case.loads.is_empty(),
+            modes: input.modes()?,
+            campbell: input.campbell()?,
+            materials,
+            sections,
+            elements: mesh.elements,
+            nodes: mesh.nodes,
+            disks,
+            bearings,
+            supports,
+            probes,
+        })
+    }
+}
+
+struct Input<'a> {
+    loaded: &'a LoadedCase,
+    case: &'a Case,
+}
+
+type Named<T> = (Vec<T>, Vec<String>);
+
+impl Input<'_> {
+    fn fault<T>(&self, path: &str, problem: impl Into<String>, allowed: impl Into<String>) -> Result<T> {
+        Err(self.loaded.fault(path, problem, allowed))
+    }
+
+    fn positive(&self, path: &str, value: f64) -> Result<f64> {
+        if value > 0.0 && value.is_finite() {
+            Ok(value)
+        } else {
+            self.fault(path, "must be positive", "a finite value above 0")
+        }
+    }
+
+    fn not_negative(&self, path: &str, value: f64) -> Result<f64> {
+        if value >= 0.0 && value.is_finite() {
+            Ok(value)
+        } else {
+            self.fault(path, "must not be negative", "0 or more")
+        }
+    }
+
+    fn materials(&self) -> Result<Named<Material>> {
+        let (mut list, mut names) = (Vec::new(), Vec::new());
+        for (name, m) in &self.case.materials {
+            let at = |key: &str| format!("materials.{name}.{key}");
+            if !(m.nu > -1.0 && m.nu < 0.5) {
+                return self.fault(
+                    &at("nu"),
+                    "Poisson's ratio is out of range",
+                    "above -1 and below 0.5 (0.5 itself is incompressible: use 0.4999)",
+                );
+            }
+            list.push(Material {
+                youngs_modulus: self.positive(&at("E"), m.youngs_modulus.0)?,
+                poisson_ratio: m.nu,
+                density: self.positive(&at("rho"), m.rho.0)?,
+                stiffness_damping: self.not_negative(&at("damping.stiffness"), m.damping.stiffness.0)?,
+                mass_damping: self.not_negative(&at("damping.mass"), m.damping.mass.0)?,
+            });
+            names.push(name.clone());
+        }
+        Ok((list, names))
+    }
+
+    fn sections(&self) -> Result<Named<Section>> {
+        let (mut list, mut names) = (Vec::new(), Vec::new());
+        for (name, section) in &self.case.sections {
+            list.push(self.section(name, section)?);
+            names.push(name.clone());
+        }
+        Ok((list, names))
+    }
+
+    fn section(&self, name: &str, s: &case::Section) -> Result<Section> {
+        let given = [
+            ("radius", s.radius),
+            ("outer_radius", s.outer_radius),
+            ("inner_radius", s.inner_radius),
+            ("semi_axis_y", s.semi_axis_y),
+            ("semi_axis_z", s.semi_axis_z),
+            ("inner_semi_axis_y", s.inner_semi_axis_y),
+            ("inner_semi_axis_z", s.inner_semi_axis_z),
+            ("height", s.height),
+            ("width", s.width),
+        ];
+        let (shape, required, optional): (_, &[&str], &[&str]) = match s.shape {
+            case::SectionShape::Circle => ("circle", &["radius"], &[]),
+            case::SectionShape::Tube => ("tube", &["outer_radius", "inner_radius"], &[]),
+            case::SectionShape::Ellipse => {
+                ("ellipse", &["semi_axis_y", "semi_axis_z"], &["inner_semi_axis_y", "inner_semi_axis_z"])
+            }
+            case::SectionShape::Rectangle => ("rectangle", &["height", "width"], &[]),
+        };
+        let keys = [required, optional].concat();
+        let takes = format!("a {shape} takes {}", keys.join(", "));
+        let mut value = std::collections::BTreeMap::new();
+        for (key, length) in given {
+            let path = format!("sections.{name}.{key}");
+            match length {
+                Some(_) if !keys.contains(&key) => {
+                    return self.fault(&path, format!("a {shape} has no \"{key}\""), takes);
+                }
+                Some(length) if key.starts_with("inner") => {
+                    value.insert(key, self.not_negative(&path, length.0)?);
+                }
+                Some(length) => {
+                    value.insert(key, self.positive(&path, length.0)?);
+                }
+                None if required.contains(&key) => {
+                    return self.fault(&path, format!("a {shape} needs \"{key}\""), takes);
+                }
+                None => {}
+            }
+        }
+        let get = |key: &str| value.get(key).copied().unwrap_or(0.0);
+        let [ky, kz] = match s.shape {
+            case::SectionShape::Tube => ["inner_radius", "inner_radius"],
+            _ => ["inner_semi_axis_y", "inner_semi_axis_z"],
+        };
+        let (shape, outer) = match s.shape {
+            case::SectionShape::Circle => (Shape::Ellipse, [get("radius"); 2]),
+            case::SectionShape::Tube => (Shape::Ellipse, [get("outer_radius"); 2]),
+            case::SectionShape::Ellipse => (Shape::Ellipse, [get("semi_axis_y"), get("semi_axis_z")]),
+            case::SectionShape::Rectangle => (Shape::Rectangle, [get("height") / 2.0, get("width") / 2.0]),
+        };
+        let inner = [get(ky), get(kz)];
+        for (key, i) in [(ky, 0), (kz, 1)] {
+            if inner[i] >= outer[i] {
+                let path = format!("sections.{name}.{key}");
+                return self.fault(
+                    &path,
+                    "the bore is not smaller than the outside",
+                    format!("below {}", outer[i]),
+                );
+            }
+        }
+        if (inner[0] == 0.0) != (inner[1] == 0.0) {
+            return self.fault(
+                &format!("sections.{name}"),
+                "a bore needs both semi-axes",
+                "both above 0, or neither",
+            );
+        }
+        Ok(Section { shape, outer, inner })
+    }
+
+    fn named(&self, path: &str, what: &str, name: &str, names: &[String]) -> Result<usize> {
+        if let Some(at) = names.iter().position(|n| n == name) {
+            return Ok(at);
+        }
+        let known: Vec<&str> = names.iter().map(String::as_str).collect();
+        let near = nearest(name, &known).map(|n| format!(", did you mean \"{n}\"?")).unwrap_or_default();
+        self.fault(path, format!("there is no {what} \"{name}\"{near}"), known.join(", "))
+    }
+
+    fn element(&self, path: &str, name: &str) -> Result<ElementKind> {
+        let kind = |axial_degree, section_order, law| Ok(ElementKind { axial_degree, section_order, law });
+        match name {
+            "34X1" => kind(3, 1, Law::Continuum),
+            "34X2" => kind(3, 2, Law::Continuum),
+            "34X3" => kind(3, 3, Law::Continuum),
+            "34X4" => kind(3, 4, Law::Continuum),
+            "34X5" => kind(3, 5, Law::Continuum),
+            "3333c" => kind(2, 1, Law::Split),
+            "3333s" => kind(2, 1, Law::Structural),
+            _ => {
+                let known = ["34X1", "34X2", "34X3", "34X4", "34X5", "3333c", "3333s"];
+                let near =
+                    nearest(name, &known).map(|n| format!(", did you mean \"{n}\"?")).unwrap_or_default();
+                self.fault(path, format!("this version has no element \"{name}\"{near}"), known.join(", "))
+            }
+        }
+    }
+
+    fn segments(
+        &self,
+        sections: &[String],
+        materials: &[String],
+        shapes: &[Section],
+    ) -> Result<Vec<SegmentPlan>> {
+        let shaft = &self.case.shaft;
+        let default = self.element("shaft.element", &shaft.element)?;
+        if shaft.segments.is_empty() {
+            return self.fault("shaft.segments", "the shaft has no segments", "at least one segment");
+        }
+        let mut plans = Vec::new();
+        for (i, segment) in shaft.segments.iter().enumerate() {
+            let at = |key: &str| format!("shaft.segments.{i}.{key}");
+            let kind = match &segment.element {
+                Some(name) => self.element(&at("element"), name)?,
+                None => default,
+            };
+            if segment.elements == 0 {
+                return self.fault(&at("elements"), "a segment needs elements", "at least 1");
+            }
+            let section = self.named(&at("section"), "section", &segment.section, sections)?;
+            let shape = &shapes[section];
+            let round = shape.is_axisymmetric();
+            let fits = match kind.law {
+                Law::Continuum => true,
+                Law::Split => !shape.is_hollow() && (round || shape.shape == Shape::Rectangle),
+                Law::Structural => !shape.is_hollow() && round,
+            };
+            if !fits {
+                return self.fault(
+                    &at("section"),
+                    "the comparison element has no shear correction and torsion constant for this section",
+                    "3333c: solid circle or rectangle; 3333s: solid circle; else an element 34X1 .. 34X5",
+                );
+            }
+            plans.push(SegmentPlan {
+                length: self.positive(&at("length"), segment.length.0)?,
+                elements: segment.elements,
+                kind,
+                section,
+                material: self.named(&at("material"), "material", &segment.material, materials)?,
+            });
+        }
+        for (i, pair) in plans.windows(2).enumerate() {
+            if shapes[pair[0].section].common(&shapes[pair[1].section]).is_none() {
+                return self.fault(
+                    &format!("shaft.segments.{}.section", i + 1),
+                    "this section has nothing in common with the one before it",
+                    "neighbouring sections whose walls overlap",
+                );
+            }
+        }
+        Ok(plans)
+    }
+
+    /// Positions that force element ends, with their paths.
+    fn fixed_positions(&self, length: f64) -> Result<Vec<f64>> {
+        let disks = self.case.disks.iter().enumerate().map(|(i, d)| (format!("disks.{i}.at"), d.at.0));
+        let supports =
+            self.case.supports.iter().enumerate().map(|(i, s)| (format!("supports.{i}.at"), s.at.0));
+        let loads = self.case.loads.iter().enumerate();
+        let loads = loads.filter_map(|(i, l)| l.at.map(|at| (format!("loads.{i}.at"), at.0)));
+        let mut list = Vec::new();
+        for (path, at) in disks.chain(supports).chain(loads) {
+            self.on_shaft(&path, at, length)?;
+            list.push(at);
+        }
+        Ok(list)
+    }
+
+    fn on_shaft(&self, path: &str, at: f64, length: f64) -> Result<()> {
+        if at >= -1e-9 * length && at <= length * (1.0 + 1e-9) {
+            return Ok(());
+        }
+        self.fault(path, "this place is off the shaft", format!("0 to {length} m"))
+    }
+
+    fn mesh(&self, plans: &[SegmentPlan], length: f64) -> Result<Mesh> {
+        let positions = self.fixed_positions(length)?;
+        let mut memory = 0.0;
+        for (i, plan) in plans.iter().enumerate() {
+            let pieces = plan.elements as f64 + positions.len() as f64;
+            let per_node = 3.0 * plan.kind.n_vectors() as f64;
+            let unknowns = pieces * plan.kind.axial_degree as f64 * per_node;
+            memory += super::estimated_memory(unknowns, per_node);
+            if memory > MEMORY_LIMIT {
+                return self.fault(
+                    &format!("shaft.segments.{i}.elements"),
+                    format!("so many elements need about {:.0} GB of memory", memory / 1e9),
+                    format!("fewer elements: at most {:.0} GB for the whole shaft", MEMORY_LIMIT / 1e9),
+                );
+            }
+        }
+        Ok(Mesh::new(plans, &positions, length))
+    }
+
+    fn disks(&self, mesh: &Mesh, length: f64) -> Result<Vec<Disk>> {
+        let mut list: Vec<Disk> = Vec::new();
+        for (i, d) in self.case.disks.iter().enumerate() {
+            let at = |key: &str| format!("disks.{i}.{key}");
+            let by_inertia = [
+                ("mass", d.mass.is_some()),
+                ("polar_inertia", d.polar_inertia.is_some()),
+                ("diametral_inertia", d.diametral_inertia.is_some()),
+            ];
+            let by_geometry = [
+                ("radius", d.radius.is_some()),
+                ("thickness", d.thickness.is_some()),
+                ("rho", d.rho.is_some()),
+                ("inner_radius", d.inner_radius.is_some()),
+                ("thickness_inertia", d.thickness_inertia.is_some()),
+            ];
+            let allowed = "either mass, polar_inertia, diametral_inertia; or radius, thickness, rho (and inner_radius, thickness_inertia)";
+            let first = |keys: &[(&'static str, bool)]| keys.iter().find(|k| k.1).map(|k| k.0);
+            let (mass, polar, diametral) = match (first(&by_inertia), first(&by_geometry)) {
+                (Some(_), Some(key)) => {
+                    return self.fault(
+                        &at(key),
+                        "a disk is given by inertia or by geometry, not both",
+                        allowed,
+                    );
+                }
+                (None, None) => return self.fault(&format!("disks.{i}"), "the disk has no mass", allowed),
+                (Some(_), None) => {
+                    let (Some(m), Some(p), Some(t)) = (d.mass, d.polar_inertia, d.diametral_inertia) else {
+                        let missing = by_inertia.iter().find(|k| !k.1).map_or("mass", |k| k.0);
+                        return self.fault(
+                            &at(missing),
+                            format!("the disk's \"{missing}\" is missing"),
+                            allowed,
+                        );
+                    };
+                    (
+                        self.positive(&at("mass"), m.0)?,
+                        self.not_negative(&at("polar_inertia"), p.0)?,
+                        self.not_negative(&at("diametral_inertia"), t.0)?,
+                    )
+                }
+                (None, Some(_)) => {
+                    let (Some(radius), Some(thickness), Some(rho)) = (d.radius, d.thickness, d.rho) else {
+                        let missing = by_geometry[..3].iter().find(|k| !k.1).map_or("radius", |k| k.0);
+                        return self.fault(
+                            &at(missing),
+                            format!("the disk's \"{missing}\" is missing"),
+                            allowed,
+                        );
+                    };
+                    let outer = self.positive(&at("radius"), radius.0)?;
+                    let bore = self.not_negative(&at("inner_radius"), d.inner_radius.map_or(0.0, |r| r.0))?;
+                    let (t, rho) =
+                        (self.positive(&at("thickness"), thickness.0)?, self.positive(&at("rho"), rho.0)?);
+                    if bore >= outer {
+                        return self.fault(
+                            &at("inner_radius"),
+                            "the bore is not smaller than the disk",
+                            format!("below {outer}"),
+                        );
+                    }
+                    let mass = rho * PI * (outer + bore) * (outer - bore) * t;
+                    let polar = mass * (outer * outer + bore * bore) / 2.0;
+                    let thick = if d.thickness_inertia.unwrap_or(true) { mass * t * t / 12.0 } else { 0.0 };
+                    (mass, polar, polar / 2.0 + thick)
+                }
+            };
+            if diametral < polar / 2.0 * (1.0 - 1e-9) {
+                return self.fault(
+                    &at("diametral_inertia"),
+                    "no body has so small a diametral inertia",
+                    format!("at least half the polar inertia, {}", polar / 2.0),
+                );
+            }
+            let node = mesh.node_at(d.at.0, length);
+            let hub = match d.hub {
+                case::Hub::Rigid => Hub::Rigid,
+                case::Hub::Soft => Hub::Soft,
+            };
+            if list.iter().any(|other| other.node == node && other.hub != hub) {
+                return self.fault(
+                    &at("hub"),
+                    "two disks at one place have different hubs",
+                    "the same hub for both",
+                );
+            }
+            let offset = d.offset.map_or([0.0; 2], |o| o.map(|c| c.0));
+            list.push(Disk { node, mass, polar_inertia: polar, diametral_inertia: diametral, offset, hub });
+        }
+        Ok(list)
+    }
+
+    fn supports(&self, mesh: &Mesh, length: f64) -> Result<(Vec<Support>, Vec<Bearing>)> {
+        let (mut supports, mut bearings): (Vec<Support>, Vec<Bearing>) = (Vec::new(), Vec::new());
+        for (i, s) in self.case.supports.iter().enumerate() {
+            let path = format!("supports.{i}");
+            let node = mesh.node_at(s.at.0, length);
+            self.support_keys(&path, s)?;
+            if s.kind == Some(case::SupportKind::Bearing) {
+                bearings.push(self.bearing(&path, s, node)?);
+                continue;
+            }
+            if let Some(other) = supports.iter().find(|other| other.node == node) {
+                return self.fault(
+                    &path,
+                    format!("contradicts `{}`, which holds the same section", other.path),
+                    "one kinematic support at a place; bearings may be added to it",
+                );
+            }
+            let hold = match s.section {
+                Some(case::SectionHold::Rigid) => SectionHold::Rigid,
+                _ => SectionHold::Plane,
+            };
+            let acts_on = acts_on(s.acts_on);
+            let driven = s.driven.unwrap_or(true);
+            let kind = match (s.kind, &s.fix) {
+                (Some(case::SupportKind::Clamped), _) => SupportKind::Clamped(hold),
+                (Some(case::SupportKind::Revolute), _) => SupportKind::Revolute { hold, driven },
+                (Some(case::SupportKind::Cylindrical), _) => SupportKind::Cylindrical { hold, driven },
+                (Some(case::SupportKind::Pinned), _) => SupportKind::Pinned(acts_on),
+                (Some(case::SupportKind::Roller), _) => SupportKind::Roller(acts_on),
+                (_, fix) => SupportKind::Fix(self.fix(
+                    &path,
+                    fix.as_deref().unwrap_or(&[]),
+                    mesh.nodes[node].n_vectors,
+                )?),
+            };
+            supports.push(Support { node, kind, path });
+        }
+        Ok((supports, bearings))
+    }
+
+    /// Refuses keys that do not belong to the kind of support.
+    fn support_keys(&self, path: &str, s: &case::Support) -> Result<()> {
+        use case::SupportKind::{Bearing, Clamped, Cylindrical, Pinned, Revolute, Roller};
+        let (name, allowed): (&str, &[&str]) = match (s.kind, &s.fix) {
+            (Some(_), Some(_)) => {
+                return self.fault(
+                    &format!("{path}.fix"),
+                    "a support has a kind or fixes components, not both",
+                    "kind or fix",
+                );
+            }
+            (None, None) => {
+                return self.fault(
+                    path,
+                    "the support holds nothing",
+                    "a kind, or fix with a list of components",
+                );
+            }
+            (None, Some(_)) => ("fix", &[]),
+            (Some(Clamped), _) => ("clamped", &["section"]),
+            (Some(Revolute | Cylindrical), _) => ("revolute or cylindrical", &["section", "driven"]),
+            (Some(Pinned | Roller), _) => ("pinned or roller", &["acts_on"]),
+            (Some(Bearing), _) => ("bearing", &["stiffness", "damping", "acts_on"]),
+        };
+        let given = [
+            ("section", s.section.is_some()),
+            ("driven", s.driven.is_some()),
+            ("acts_on", s.acts_on.is_some()),
+            ("stiffness", s.stiffness.is_some()),
+            ("damping", s.damping.is_some()),
+        ];
+        match given.iter().find(|(key, present)| *present && !allowed.contains(key)) {
+            Some((key, _)) => self.fault(
+                &format!("{path}.{key}"),
+                format!("a {name} support has no \"{key}\""),
+                if allowed.is_empty() {
+                    "at and fix only".to_owned()
+                } else {
+                    format!("besides at and kind: {}", allowed.join(", "))
+                },
+            ),
+            None => Ok(()),
+        }
+    }
+
+    fn bearing(&self, path: &str, s: &case::Support, node: usize) -> Result<Bearing> {
+        let Some(stiffness) = s.stiffness else {
+            return self.fault(
+                &format!("{path}.stiffness"),
+                "a bearing needs its stiffness",
+                "[[kyy, kyz], [kzy, kzz]] in N/m",
+            );
+        };
+        let stiffness = stiffness.map(|row| row.map(|k| k.0));
+        let damping = s.damping.map_or([[0.0; 2]; 2], |c| c.map(|row| row.map(|c| c.0)));
+        let off = (stiffness[0][1] + stiffness[1][0]) / 2.0;
+        let (a, b) = (stiffness[0][0], stiffness[1][1]);
+        if a < 0.0 || b < 0.0 || off * off > a * b * (1.0 + 1e-12) {
+            return self.fault(
+                &format!("{path}.stiffness"),
+                "the symmetric part of the bearing's stiffness is not positive: the shaft would be statically unstable",
+                "kyy >= 0, kzz >= 0 and ((kyz + kzy)/2)^2 <= kyy kzz",
+            );
+        }
+        Ok(Bearing { node, stiffness, damping, acts_on: acts_on(s.acts_on) })
+    }
+
+    fn fix(&self, path: &str, names: &[String], n_vectors: usize) -> Result<Vec<(usize, usize)>> {
+        let vectors: Vec<String> = exponents(5).into_iter().take(n_vectors).map(vector_name).collect();
+        let mut list = Vec::new();
+        if names.is_empty() {
+            return self.fault(&format!("{path}.fix"), "nothing is fixed", "a list of vectors or components");
+        }
+        for (i, name) in names.iter().enumerate() {
+            let (vector, component) = match name.split_once('.') {
+                Some((vector, component)) => (vector, ["x", "y", "z"].iter().position(|c| *c == component)),
+                None => (name.as_str(), None),
+            };
+            let known = vectors.iter().position(|v| v == vector);
+            let add: Vec<(usize, usize)> = match (known, component, name.contains('.')) {
+                (None, None, false) if vector == "all" => {
+                    (0..n_vectors).flat_map(|k| [0, 1, 2].map(|c| (k, c))).collect()
+                }
+                (Some(k), Some(c), true) => vec![(k, c)],
+                (Some(k), None, false) => [0, 1, 2].map(|c| (k, c)).to_vec(),
+                _ => {
+                    return self.fault(
+                        &format!("{path}.fix.{i}"),
+                        format!("\"{name}\" is no vector or component of the node there"),
+                        format!("all, {}; or one component of them, e.g. y.x", vectors.join(", ")),
+                    );
+                }
+            };
+            if add.iter().any(|a| list.contains(a)) {
+                return self.fault(
+                    &format!("{path}.fix.{i}"),
+                    format!("\"{name}\" is fixed twice"),
+                    "each component once",
+                );
+            }
+            list.extend(add);
+        }
+        Ok(list)
+    }
+
+    fn loads(&self, length: f64) -> Result<()> {
+        for (i, load) in self.case.loads.iter().enumerate() {
+            let path = format!("loads.{i}");
+            let local = load.force.is_some() || load.moment.is_some();
+            let spread = load.surface.is_some() && load.traction.is_some();
+            let surface_keys = load.surface.is_some() || load.traction.is_some() || load.follower.is_some();
+            let allowed = "at with force or moment; or surface with traction";
+            if local == spread || (local && surface_keys) {
+                return self.fault(&path, "the load is incomplete or mixed", allowed);
+            }
+            match load.at {
+                Some(at) if local => self.on_shaft(&format!("{path}.at"), at.0, length)?,
+                None if spread => {}
+                _ => {
+                    return self.fault(
+                        &format!("{path}.at"),
+                        "a force or moment acts at a place, a traction on a surface",
+                        allowed,
+                    );
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn probes(&self, mesh: &Mesh, length: f64, sections: &[Section]) -> Result<Vec<Probe>> {
+        let mut list: Vec<Probe> = Vec::new();
+        for (i, probe) in self.case.probes.iter().enumerate() {
+            let at = |key: &str| format!("probes.{i}.{key}");
+            self.on_shaft(&at("at"), probe.at.0, length)?;
+            if list.iter().any(|p| p.name == probe.name) {
+                return self.fault(
+                    &at("name"),
+                    "two probes have this name",
+                    "a name of its own for each probe",
+                );
+            }
+            let Section { shape, outer: [cy, cz], .. } = sections[mesh.section_at(probe.at.0)];
+            let points = match (probe.line, probe.points) {
+                (None, None) => {
+                    let point = [probe.y.map_or(0.0, |y| y.0), probe.z.map_or(0.0, |z| z.0)];
+                    let [y, z] = [point[0] / cy, point[1] / cz];
+                    let size = if shape == Shape::Ellipse { y.hypot(z) } else { y.abs().max(z.abs()) };
+                    if size > 1.0 + 1e-9 {
+                        let key = if probe.y.is_some() { "y" } else { "z" };
+                        return self.fault(
+                            &at(key),
+                            "the probe lies outside the section",
+                            format!("within half extents {cy} (y) and {cz} (z)"),
+                        );
+                    }
+                    vec![point]
+                }
+                (Some(line), points) if probe.y.is_none() && probe.z.is_none() => {
+                    let count = points.unwrap_or(9);
+                    if !(2..=10_000).contains(&count) {
+                        return self.fault(&at("points"), "a line needs points", "2 to 10000");
+                    }
+                    let step = |k: u32| f64::from(k) / f64::from(count - 1);
+                    (0..count)
+                        .map(|k| match line {
+                            case::Line::Y => [cy * step(k), 0.0],
+                            case::Line::Z => [0.0, cz * step(k)],
+                        })
+                        .collect()
+                }
+                _ => {
+                    return self.fault(
+                        &format!("probes.{i}"),
+                        "a probe is a point or a line",
+                        "y and z; or line and points",
+                    );
+                }
+            };
+            list.push(Probe { name: probe.name.clone(), x: probe.at.0, points });
+        }
+        Ok(list)
+    }
+
+    fn modes(&self) -> Result<usize> {
+        match self.case.modes.count {
+            count @ 1..=2000 => Ok(count as usize),
+            _ => self.fault("modes.count", "no such number of modes", "1 to 2000"),
+        }
+    }
+
+    fn campbell(&self) -> Result<Option<CampbellSettings>> {
+        let Some(c) = &self.case.campbell else { return Ok(None) };
+        let (from, to) = (self.not_negative("campbell.speeds.from", c.speeds.from.0)?, c.speeds.to.0);
+        if !(to > 0.0 && to.is_finite()) {
+            return self.fault("campbell.speeds.to", "the sweep has no positive speed", "a speed above 0");
+        }
+        let count = c.speeds.count;
+        if !(1..=100_000).contains(&count) {
+            return self.fault("campbell.speeds.count", "no such number of speeds", "1 to 100000");
+        }
+        if (count > 1 && from >= to) || (count == 1 && from != to) {
+            return self.fault(
+                "campbell.speeds.from",
+                "the sweep does not rise",
+                format!("below {to} rad/s (equal to it for a count of 1)"),
+            );
+        }
+        let modes = c.modes as usize;
+        if !(1..=1000).contains(&modes) {
+            return self.fault("campbell.modes", "no such number of branches", "1 to 1000");
+        }
+        if c.form == Some(case::Form::Classical) && c.frame == Some(case::Frame::Rotating) {
+            return self.fault(
+                "campbell.frame",
+                "the classical form exists in the stationary frame only: without centrifugal stiffening a spinning disk would not stay upright in the rotating frame",
+                "\"frame\": \"stationary\"",
+            );
+        }
+        if c.frame == Some(case::Frame::Rotating) {
+            return self.fault(
+                "campbell.frame",
+                "the rotating frame needs the tangent at the spinning state, which this version does not compute",
+                "\"stationary\"",
+            );
+        }
+        if c.form == Some(case::Form::Consistent) {
+            return self.fault(
+                "campbell.form",
+                "the consistent form needs the tangent at the spinning state, which this version does not compute",
+                "\"classical\"",
+            );
+        }
+        let reduction = match c.reduction {
+            case::ReductionSize::None => None,
+            case::ReductionSize::Basis(n) if n as usize >= modes + 8 && n <= 5000 => Some(n as usize),
+            case::ReductionSize::Basis(_) => {
+                return self.fault(
+                    "campbell.reduction",
+                    "the basis does not fit the number of branches",
+                    format!("{} (modes + 8) to 5000, or \"none\"", modes + 8),
+                );
+            }
+        };
+        for (i, order) in c.orders.iter().enumerate() {
+            self.positive(&format!("campbell.orders.{i}"), *order)?;
+        }
+        let step = |k: u32| if count > 1 { f64::from(k) / f64::from(count - 1) } else { 1.0 };
+        Ok(Some(CampbellSettings {
+            speeds: (0..count).map(|k| from + (to - from) * step(k)).collect(),
+            modes,
+            reduction,
+            gyroscopic: match c.gyroscopic {
+                case::Gyroscopic::All => Gyroscopic::All,
+                case::Gyroscopic::Disks => Gyroscopic::Disks,
+                case::Gyroscopic::None => Gyroscopic::None,
+            },
+            orders: c.orders.clone(),
+        }))
+    }
+
+    fn expected(&self) -> Result<()> {
+        for (i, e) in self.case.expected.iter().enumerate() {
+            let at = |key: &str| format!("expected.{i}.{key}");
+            let numbers = match &e.value {
+                serde_json::Value::Array(list) => !list.is_empty() && list.iter().all(|v| v.is_number()),
+                value => value.is_number(),
+            };
+            if !numbers {
+                return self.fault(
+                    &at("value"),
+                    "the expected value is no number",
+                    "a number or a list of numbers",
+                );
+            }
+            let tolerances = [("rtol", e.rtol), ("atol", e.atol)];
+            for (key, tolerance) in tolerances {
+                self.not_negative(&at(key), tolerance.unwrap_or(0.0))?;
+            }
+            if tolerances.iter().all(|(_, t)| t.is_none()) {
+                return self.fault(
+                    &format!("expected.{i}"),
+                    "the expected value has no tolerance",
+                    "rtol or atol",
+                );
+            }
+        }
+        Ok(())
+    }
+}
+
+fn acts_on(given: Option<case::ActsOn>) -> ActsOn {
+    match given {
+        Some(case::ActsOn::Axis) => ActsOn::Axis,
+        _ => ActsOn::Section,
+    }
+}

@@ -1,0 +1,142 @@
+//! Elements and nodes along the shaft: segments laid end to end, cut where something stands.
+
+use super::{Element, ElementKind, Node};
+
+/// Share of the shaft's length within which two positions are one.
+const SAME: f64 = 1e-9;
+
+/// A checked segment.
+#[derive(Debug, Clone, Copy)]
+pub struct SegmentPlan {
+    /// Length, m.
+    pub length: f64,
+    /// Elements asked for.
+    pub elements: u64,
+    /// Member of the element family.
+    pub kind: ElementKind,
+    /// Index of its section.
+    pub section: usize,
+    /// Index of its material.
+    pub material: usize,
+}
+
+/// Elements and nodes from left to right.
+#[derive(Debug)]
+pub struct Mesh {
+    /// Elements.
+    pub elements: Vec<Element>,
+    /// Nodes.
+    pub nodes: Vec<Node>,
+}
+
+impl Mesh {
+    /// Meshes the segments so that every one of `positions` is an element end.
+    ///
+    /// Within a segment the elements are dealt out to the pieces between positions, each time to the piece
+    /// whose elements are longest, at least one to each: lengths as even as possible, never fewer elements.
+    pub fn new(plans: &[SegmentPlan], positions: &[f64], length: f64) -> Self {
+        let mut mesh = Self { elements: Vec::new(), nodes: Vec::new() };
+        let mut start = 0.0;
+        for plan in plans {
+            let end = start + plan.length;
+            let mut cuts: Vec<f64> = positions
+                .iter()
+                .copied()
+                .filter(|x| *x > start + SAME * length && *x < end - SAME * length)
+                .collect();
+            cuts.extend([start, end]);
+            cuts.sort_by(f64::total_cmp);
+            cuts.dedup_by(|a, b| *a - *b <= SAME * length);
+            let pieces: Vec<(f64, f64)> = cuts.windows(2).map(|c| (c[0], c[1])).collect();
+            for (&(a, b), count) in pieces.iter().zip(share(&pieces, plan.elements)) {
+                for k in 0..count {
+                    let at = |k: u64| a + (b - a) * k as f64 / count as f64;
+                    mesh.push(plan, at(k), (b - a) / count as f64);
+                }
+            }
+            start = end;
+        }
+        mesh
+    }
+
+    fn push(&mut self, plan: &SegmentPlan, x: f64, length: f64) {
+        let (kind, n_vectors) = (plan.kind, plan.kind.n_vectors());
+        match self.nodes.last_mut() {
+            Some(shared) => shared.n_vectors = shared.n_vectors.max(n_vectors),
+            None => self.nodes.push(Node { x, n_vectors }),
+        }
+        let first_node = self.nodes.len() - 1;
+        for i in 1..=kind.axial_degree {
+            self.nodes.push(Node { x: x + length * i as f64 / kind.axial_degree as f64, n_vectors });
+        }
+        let (section, material) = (plan.section, plan.material);
+        self.elements.push(Element { x, length, first_node, kind, section, material });
+    }
+
+    /// The element end nearest to a position (which was among those given to [`Mesh::new`]).
+    pub fn node_at(&self, x: f64, _length: f64) -> usize {
+        let ends = self.elements.iter().flat_map(|e| [e.first_node, e.first_node + e.kind.axial_degree]);
+        ends.min_by(|&a, &b| (self.nodes[a].x - x).abs().total_cmp(&(self.nodes[b].x - x).abs())).unwrap_or(0)
+    }
+
+    /// Section of the element that holds a position.
+    pub fn section_at(&self, x: f64) -> usize {
+        let element = self.elements.iter().find(|e| x <= e.x + e.length).or(self.elements.last());
+        element.map_or(0, |e| e.section)
+    }
+}
+
+/// Elements for each piece.
+fn share(pieces: &[(f64, f64)], elements: u64) -> Vec<u64> {
+    let total: f64 = pieces.iter().map(|p| p.1 - p.0).sum();
+    // Whole shares first (never more than deserved), then one by one to the longest elements.
+    let mut counts: Vec<u64> = pieces
+        .iter()
+        .map(|p| (((p.1 - p.0) / total * elements as f64 * (1.0 - 1e-12)).floor() as u64).max(1))
+        .collect();
+    while counts.iter().sum::<u64>() < elements {
+        let size = |i: usize| (pieces[i].1 - pieces[i].0) / counts[i] as f64;
+        let longest =
+            (0..pieces.len()).fold(0, |best, i| if size(i) > size(best) * (1.0 + 1e-9) { i } else { best });
+        counts[longest] += 1;
+    }
+    counts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Law;
+
+    fn plan(length: f64, elements: u64, order: usize) -> SegmentPlan {
+        let kind = ElementKind { axial_degree: 3, section_order: order, law: Law::Continuum };
+        SegmentPlan { length, elements, kind, section: 0, material: 0 }
+    }
+
+    fn ends(mesh: &Mesh) -> Vec<f64> {
+        mesh.elements.iter().map(|e| e.x).collect()
+    }
+
+    #[test]
+    fn a_matching_mesh_stays_as_it_is() {
+        let mesh = Mesh::new(&[plan(6.0, 16, 3)], &[3.0, 0.0, 6.0], 6.0);
+        assert_eq!(ends(&mesh), ends(&Mesh::new(&[plan(6.0, 16, 3)], &[], 6.0)));
+        assert_eq!((mesh.nodes.len(), mesh.node_at(3.0, 6.0)), (49, 24));
+    }
+
+    #[test]
+    fn positions_force_ends_and_keep_lengths_even() {
+        let mesh = Mesh::new(&[plan(1.0, 4, 3)], &[0.9], 1.0);
+        assert_eq!(mesh.elements.len(), 4);
+        assert!(mesh.elements.iter().any(|e| (e.x - 0.9).abs() < 1e-15));
+        let few = Mesh::new(&[plan(1.0, 1, 3)], &[0.2, 0.4, 0.4 + 1e-12], 1.0);
+        assert_eq!(few.elements.len(), 3);
+    }
+
+    #[test]
+    fn shared_nodes_carry_the_larger_order() {
+        let mesh = Mesh::new(&[plan(1.0, 1, 1), plan(1.0, 2, 4)], &[], 2.0);
+        let vectors: Vec<usize> = mesh.nodes.iter().map(|n| n.n_vectors).collect();
+        assert_eq!(vectors, [3, 3, 3, 15, 15, 15, 15, 15, 15, 15]);
+    }
+}
