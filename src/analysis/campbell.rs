@@ -159,8 +159,7 @@ impl Solver<'_> {
         Ok((solution, imbalance))
     }
 
-    /// The motions at every speed, and just above standstill in place of it: there the planar pairs are
-    /// told apart by the sense in which they are about to whirl.
+    /// The motions at every speed.
     fn sweep(&self, progress: Progress<'_>) -> Result<Vec<Solution>> {
         let speeds = &self.settings.speeds;
         if !self.operators.depends_on_speed() {
@@ -170,35 +169,12 @@ impl Solver<'_> {
         }
         speeds
             .par_iter()
-            .enumerate()
-            .map(|(k, &speed)| {
-                let solution =
-                    if speed > 0.0 { self.solve(speed) } else { self.near_standstill(speeds.get(k + 1)) };
+            .map(|&speed| {
+                let solution = self.solve(speed);
                 progress(1);
                 solution
             })
             .collect()
-    }
-
-    fn near_standstill(&self, next: Option<&f64>) -> Result<Solution> {
-        let first = self.spectrum.values.first().map_or(1.0, |v| v.sqrt());
-        let small = 1e-3 * next.copied().unwrap_or(first).min(first);
-        let at_rest = self.solve(0.0)?;
-        let mut solution = self.solve(small)?;
-        let mut unused: Vec<c64> = at_rest.motions.iter().map(|m| m.lambda).collect();
-        solution.motions.retain_mut(|motion| {
-            let distance = |l: &c64| (l - motion.lambda).norm();
-            let nearest =
-                (0..unused.len()).min_by(|&a, &b| distance(&unused[a]).total_cmp(&distance(&unused[b])));
-            // a motion that does not oscillate at rest (a rigid tilt) has no partner there
-            let Some(at) = nearest.filter(|&at| distance(&unused[at]) < 0.01 * motion.lambda.norm()) else {
-                return true;
-            };
-            motion.lambda = unused.swap_remove(at);
-            true
-        });
-        solution.speed = 0.0;
-        Ok(solution)
     }
 
     /// Follows the lowest motions of the first speed through all others.

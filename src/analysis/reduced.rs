@@ -332,19 +332,61 @@ impl Reduced {
                 .collect()
         };
         motions.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
+        self.circularise(&mut motions)?;
         Ok(Solution { speed, motions })
+    }
+
+    /// Where frequencies coincide up to rounding, their motions are arbitrary mixtures: chooses those of
+    /// extreme angular momentum, the circular forward and backward orbits of an isotropic rotor. They are
+    /// what the motions become once spin parts them, and what they remain where nothing does.
+    fn circularise(&self, motions: &mut [Whirling]) -> Result<()> {
+        let largest = self.frequencies.iter().copied().fold(0.0, f64::max);
+        let same = |a: &Whirling, b: &Whirling| {
+            (a.lambda - b.lambda).norm() <= 1e-9 * a.lambda.norm() + 1e-13 * largest
+        };
+        for cluster in motions.chunk_by_mut(|a, b| same(a, b)).filter(|c| c.len() > 1) {
+            let k = cluster.len();
+            let product = |x: &[c64], y: &[c64]| -> c64 { x.iter().zip(y).map(|(x, y)| x.conj() * y).sum() };
+            let gram = Mat::from_fn(k, k, |i, j| product(&cluster[i].right, &cluster[j].right));
+            let (sizes, axes) = self_adjoint(gram.as_ref())?;
+            if sizes[0] < 1e-6 {
+                continue;
+            }
+            let root = |power: f64| {
+                let scaled = Mat::from_fn(k, k, |i, j| axes[(i, j)] * sizes[j].powf(power));
+                scaled * axes.adjoint()
+            };
+            let turned: Vec<Vec<c64>> = cluster.iter().map(|m| self.turned(&m.right)).collect();
+            let momentum = Mat::from_fn(k, k, |i, j| c64::new(0.0, -1.0) * product(&cluster[i].right, &turned[j]));
+            let (_, senses) = self_adjoint((root(-0.5) * momentum * root(-0.5)).as_ref())?;
+            let mix = |vectors: Vec<Vec<c64>>, weights: &Mat<c64>| -> Vec<Vec<c64>> {
+                let entry = |j: usize, at: usize| (0..k).map(|i| vectors[i][at] * weights[(i, j)]).sum();
+                (0..k).map(|j| (0..vectors[0].len()).map(|at| entry(j, at)).collect()).collect()
+            };
+            let rights = mix(cluster.iter().map(|m| m.right.clone()).collect(), &(root(-0.5) * &senses));
+            let lefts: Option<Vec<Vec<c64>>> = cluster.iter().map(|m| m.left.clone()).collect();
+            let lefts = lefts.map(|lefts| mix(lefts, &(root(0.5) * &senses)));
+            for (j, right) in rights.into_iter().enumerate() {
+                cluster[j].right = right;
+                cluster[j].left = lefts.as_ref().map(|lefts| lefts[j].clone());
+            }
+        }
+        Ok(())
+    }
+
+    /// `W v` for the velocities of a state, padded to its length.
+    fn turned(&self, state: &[c64]) -> Vec<c64> {
+        let n = self.size();
+        let row = |i: usize| (0..n).map(|j| state[j] * self.angular_momentum[(i, j)]).sum();
+        (0..state.len()).map(|i| if i < n { row(i) } else { c64::new(0.0, 0.0) }).collect()
     }
 
     /// Angular momentum of a motion about x over that of a circular forward orbit of the same speed, in
     /// [-1, 1].
     pub fn momentum(&self, motion: &Whirling) -> f64 {
-        let (n, state) = (self.size(), &motion.right);
-        let (mut turning, mut moving) = (0.0, 0.0);
-        for j in 0..n {
-            let sum: c64 = (0..n).map(|i| state[i].conj() * self.angular_momentum[(i, j)]).sum();
-            turning += (sum * state[j]).im;
-            moving += state[j].norm_sqr();
-        }
+        let turned = self.turned(&motion.right);
+        let turning: f64 = motion.right.iter().zip(&turned).map(|(v, w)| (v.conj() * w).im).sum();
+        let moving: f64 = motion.right[..self.size()].iter().map(|v| v.norm_sqr()).sum();
         if moving > 0.0 { turning / moving } else { 0.0 }
     }
 }
