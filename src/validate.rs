@@ -68,11 +68,7 @@ pub fn validate(loaded: &LoadedCase) -> Result<Vec<Comparison>> {
             result.push(Comparison {
                 file: loaded.file.clone(),
                 analysis: analysis.name(),
-                path: if references.len() > 1 {
-                    expected.path.replacen('*', &i.to_string(), 1)
-                } else {
-                    expected.path.clone()
-                },
+                path: expected.path.replacen('*', &entry_name(expected, i), 1),
                 ours: found.get(i).copied().flatten(),
                 reference: *reference,
                 published: published.get(i).copied().flatten(),
@@ -96,6 +92,14 @@ fn analysis_of(loaded: &LoadedCase, expected: &Expected, index: usize) -> Result
             allowed: "check, modes, campbell".to_owned(),
         }),
     }
+}
+
+/// "bending 1" for the entry that `where` picks, else its place in the list.
+fn entry_name(expected: &Expected, index: usize) -> String {
+    let Some(filter) = &expected.filter else { return index.to_string() };
+    let words = filter.fields.values().map(|v| v.as_str().map_or_else(|| v.to_string(), str::to_owned));
+    let number = filter.n.unwrap_or(index + 1).to_string();
+    format!("[{}]", words.chain([number]).collect::<Vec<_>>().join(" "))
 }
 
 fn numbers(value: &Value) -> Vec<f64> {

@@ -310,12 +310,14 @@ impl Reduced {
         let mut motions: Vec<Whirling> = if conservative {
             let hermitian = Mat::from_fn(a.nrows(), a.ncols(), |i, j| c64::new(0.0, a[(i, j)]));
             let (values, vectors) = self_adjoint(hermitian.as_ref())?;
+            // the solver's error is a rounding of the highest frequency: far below it, sharpen
+            let low = 1e-6 * self.frequencies.iter().copied().fold(0.0, f64::max);
             let oscillating = (0..values.len()).filter(|&k| values[k] < -zero);
             oscillating
-                .map(|k| Whirling {
-                    lambda: c64::new(0.0, -values[k]),
-                    right: column(vectors.as_ref(), k),
-                    left: None,
+                .map(|k| {
+                    let right = column(vectors.as_ref(), k);
+                    let frequency = if -values[k] < low { self.rayleigh(speed, &right) } else { -values[k] };
+                    Whirling { lambda: c64::new(0.0, frequency), right, left: None }
                 })
                 .collect()
         } else {
@@ -334,6 +336,19 @@ impl Reduced {
         motions.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
         self.circularise(&mut motions)?;
         Ok(Solution { speed, motions })
+    }
+
+    /// Frequency that balances a motion of velocities v in the mean: the positive root of
+    /// `w^2 v^H v - w Omega i v^H G v - v^H K v = 0`. Its error is the square of the motion's.
+    fn rayleigh(&self, speed: f64, state: &[c64]) -> f64 {
+        let v = &state[..self.size()];
+        let mass: f64 = v.iter().map(|v| v.norm_sqr()).sum();
+        let stiffness: f64 = v.iter().zip(&self.frequencies).map(|(v, w)| w * w * v.norm_sqr()).sum();
+        let turning = self.gyroscopic.as_ref().map_or(0.0, |g| {
+            let row = |i: usize| (0..v.len()).map(|j| v[j] * g[(i, j)]).sum::<c64>();
+            -speed * (0..v.len()).map(|i| (v[i].conj() * row(i)).im).sum::<f64>()
+        });
+        (turning + (turning * turning + 4.0 * mass * stiffness).sqrt()) / (2.0 * mass)
     }
 
     /// Where frequencies coincide up to rounding, their motions are arbitrary mixtures: chooses those of

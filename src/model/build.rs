@@ -26,8 +26,8 @@ impl Model {
         let plans = input.segments(&section_names, &material_names, &sections)?;
         let length: f64 = plans.iter().map(|p| p.length).sum();
         let mesh = input.mesh(&plans, length)?;
-        let disks = input.disks(&mesh, length)?;
-        let (supports, bearings) = input.supports(&mesh, length)?;
+        let disks = input.disks(&mesh)?;
+        let (supports, bearings) = input.supports(&mesh)?;
         input.loads(length)?;
         let probes = input.probes(&mesh, length, &sections)?;
         input.expected()?;
@@ -309,7 +309,7 @@ impl Input<'_> {
         Ok(Mesh::new(plans, &positions, length))
     }
 
-    fn disks(&self, mesh: &Mesh, length: f64) -> Result<Vec<Disk>> {
+    fn disks(&self, mesh: &Mesh) -> Result<Vec<Disk>> {
         let mut list: Vec<Disk> = Vec::new();
         for (i, d) in self.case.disks.iter().enumerate() {
             let at = |key: &str| format!("disks.{i}.{key}");
@@ -384,7 +384,7 @@ impl Input<'_> {
                     format!("at least half the polar inertia, {}", polar / 2.0),
                 );
             }
-            let node = mesh.node_at(d.at.0, length);
+            let node = mesh.node_at(d.at.0);
             let hub = match d.hub {
                 case::Hub::Rigid => Hub::Rigid,
                 case::Hub::Soft => Hub::Soft,
@@ -402,11 +402,11 @@ impl Input<'_> {
         Ok(list)
     }
 
-    fn supports(&self, mesh: &Mesh, length: f64) -> Result<(Vec<Support>, Vec<Bearing>)> {
+    fn supports(&self, mesh: &Mesh) -> Result<(Vec<Support>, Vec<Bearing>)> {
         let (mut supports, mut bearings): (Vec<Support>, Vec<Bearing>) = (Vec::new(), Vec::new());
         for (i, s) in self.case.supports.iter().enumerate() {
             let path = format!("supports.{i}");
-            let node = mesh.node_at(s.at.0, length);
+            let node = mesh.node_at(s.at.0);
             self.support_keys(&path, s)?;
             if s.kind == Some(case::SupportKind::Bearing) {
                 bearings.push(self.bearing(&path, s, node)?);

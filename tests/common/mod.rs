@@ -1,0 +1,81 @@
+//! Shared by the tests: cases from the repository or built in place, with overrides.
+#![allow(dead_code)]
+
+use rotor::case::{Case, LoadedCase};
+use rotor::model::Model;
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+
+/// Every case of the repository.
+pub fn case_files() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases");
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(folder).expect("cases").map(|e| e.expect("entry").path()).collect();
+    files.sort();
+    assert!(files.len() >= 8);
+    files
+}
+
+/// A case of the repository by its stem.
+pub fn case(stem: &str) -> LoadedCase {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases").join(format!("{stem}.json"));
+    Case::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A uniform shaft of steel (E 2.1e11, nu 0.3, rho 7800) with the keys of `more` added or replaced.
+pub fn shaft(section: Value, length: f64, elements: usize, more: Value) -> LoadedCase {
+    let mut value = json!({
+        "title": "test shaft",
+        "materials": { "m": { "E": 2.1e11, "nu": 0.3, "rho": 7800 } },
+        "sections": { "s": section },
+        "shaft": { "segments": [{ "length": length, "elements": elements, "section": "s", "material": "m" }] }
+    });
+    merge(&mut value, more);
+    LoadedCase::from_value("test.json", value).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn merge(into: &mut Value, from: Value) {
+    match (into, from) {
+        (Value::Object(a), Value::Object(b)) => {
+            for (key, value) in b {
+                merge(a.entry(key).or_insert(Value::Null), value);
+            }
+        }
+        (a, b) => *a = b,
+    }
+}
+
+/// The case with overrides `path -> value`.
+pub fn with(case: &LoadedCase, set: Value) -> LoadedCase {
+    let set: Map<String, Value> = set.as_object().expect("overrides").clone();
+    case.with(&set).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The checked model of a case.
+pub fn model(case: &LoadedCase) -> Model {
+    Model::new(case).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Natural frequencies, rad/s.
+pub fn frequencies(case: &LoadedCase) -> Vec<f64> {
+    let found = rotor::analysis::modes::modes(&model(case)).unwrap_or_else(|e| panic!("{e}")).results;
+    found.modes.iter().map(|m| m.frequency_rad_s).collect()
+}
+
+/// Natural frequencies of one kind, rad/s.
+pub fn of_kind(case: &LoadedCase, kind: rotor::results::ModeKind) -> Vec<f64> {
+    let found = rotor::analysis::modes::modes(&model(case)).unwrap_or_else(|e| panic!("{e}")).results;
+    found.modes.iter().filter(|m| m.kind == kind).map(|m| m.frequency_rad_s).collect()
+}
+
+/// The Campbell diagram of a case.
+pub fn campbell(case: &LoadedCase) -> rotor::results::Campbell {
+    let model = model(case);
+    let settings = model.campbell.as_ref().expect("a campbell block");
+    rotor::analysis::campbell::campbell(&model, settings, &|_| ()).unwrap_or_else(|e| panic!("{e}")).results
+}
+
+/// Critical speeds, rpm.
+pub fn criticals_rpm(case: &LoadedCase) -> Vec<f64> {
+    campbell(case).critical_speeds.iter().map(|c| c.speed_rpm).collect()
+}

@@ -1,0 +1,100 @@
+//! The unit of length does not matter: a rotor a million times smaller has the same dimensionless results.
+
+mod common;
+
+use common::{campbell, case, case_files, frequencies};
+use rotor::case::{Case, LoadedCase};
+use rotor::units::{Damping, Inertia, Length, Mass, Rate, Speed, Stiffness, Time};
+
+const SCALE: f64 = 1e-6;
+
+/// The same rotor with every length times `SCALE`; moduli and densities stay, so times go with `SCALE`.
+fn small(case: &Case) -> LoadedCase {
+    let mut case = case.clone();
+    let length = |l: &mut Length| l.0 *= SCALE;
+    let each = |l: &mut Option<Length>| l.iter_mut().for_each(|l| l.0 *= SCALE);
+    for m in case.materials.values_mut() {
+        m.damping.stiffness = Time(m.damping.stiffness.0 * SCALE);
+        m.damping.mass = Rate(m.damping.mass.0 / SCALE);
+    }
+    for s in case.sections.values_mut() {
+        for l in [
+            &mut s.radius,
+            &mut s.outer_radius,
+            &mut s.inner_radius,
+            &mut s.semi_axis_y,
+            &mut s.semi_axis_z,
+            &mut s.inner_semi_axis_y,
+            &mut s.inner_semi_axis_z,
+            &mut s.height,
+            &mut s.width,
+        ] {
+            each(l);
+        }
+    }
+    case.shaft.segments.iter_mut().for_each(|s| length(&mut s.length));
+    for d in &mut case.disks {
+        length(&mut d.at);
+        each(&mut d.radius);
+        each(&mut d.inner_radius);
+        each(&mut d.thickness);
+        d.mass = d.mass.map(|m| Mass(m.0 * SCALE.powi(3)));
+        d.polar_inertia = d.polar_inertia.map(|i| Inertia(i.0 * SCALE.powi(5)));
+        d.diametral_inertia = d.diametral_inertia.map(|i| Inertia(i.0 * SCALE.powi(5)));
+        d.offset.iter_mut().flatten().for_each(length);
+    }
+    for s in &mut case.supports {
+        length(&mut s.at);
+        s.stiffness = s.stiffness.map(|k| k.map(|row| row.map(|k| Stiffness(k.0 * SCALE))));
+        s.damping = s.damping.map(|c| c.map(|row| row.map(|c| Damping(c.0 * SCALE * SCALE))));
+    }
+    if let Some(c) = &mut case.campbell {
+        c.speeds.from = Speed(c.speeds.from.0 / SCALE);
+        c.speeds.to = Speed(c.speeds.to.0 / SCALE);
+    }
+    LoadedCase::from_value("small.json", serde_json::to_value(&case).expect("JSON")).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn assert_same(name: &str, large: &[f64], small: &[f64]) {
+    assert_eq!(large.len(), small.len(), "{name}");
+    for (a, b) in large.iter().zip(small) {
+        assert!((a - b * SCALE).abs() <= 1e-9 * a.abs(), "{name}: {a} {} {:.1e}", b * SCALE, b * SCALE / a - 1.0);
+    }
+}
+
+#[test]
+fn natural_frequencies_of_every_case() {
+    for path in case_files() {
+        let large = Case::load(&path, &[]).expect("case");
+        assert_same(&path.display().to_string(), &frequencies(&large), &frequencies(&small(&large.case)));
+    }
+}
+
+#[test]
+fn campbell_diagrams_and_critical_speeds_of_every_case() {
+    for path in case_files() {
+        let large = Case::load(&path, &[]).expect("case");
+        if large.case.campbell.is_none() {
+            continue;
+        }
+        let (a, b) = (campbell(&large), campbell(&small(&large.case)));
+        let name = path.display().to_string();
+        let last = |c: &rotor::results::Campbell| -> Vec<f64> {
+            c.branches.iter().map(|b| b.frequency_rad_s.last().copied().flatten().expect("a frequency")).collect()
+        };
+        let criticals = |c: &rotor::results::Campbell| -> Vec<f64> {
+            c.critical_speeds.iter().map(|c| c.speed_rad_s).collect()
+        };
+        assert_same(&name, &last(&a), &last(&b));
+        assert_same(&name, &criticals(&a), &criticals(&b));
+    }
+}
+
+#[test]
+fn damped_and_hollow_members_of_all_orders() {
+    let base = case("bauchau-hollow");
+    for element in ["34X1", "34X2", "34X4", "34X5"] {
+        let large = common::with(&base, serde_json::json!({ "shaft.element": element, "modes.count": 12 }));
+        assert_same(element, &frequencies(&large), &frequencies(&small(&large.case)));
+    }
+}
