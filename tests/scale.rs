@@ -52,13 +52,19 @@ fn small(case: &Case) -> LoadedCase {
         c.speeds.from = Speed(c.speeds.from.0 / SCALE);
         c.speeds.to = Speed(c.speeds.to.0 / SCALE);
     }
-    LoadedCase::from_value("small.json", serde_json::to_value(&case).expect("JSON")).unwrap_or_else(|e| panic!("{e}"))
+    LoadedCase::from_value("small.json", serde_json::to_value(&case).expect("JSON"))
+        .unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn assert_same(name: &str, large: &[f64], small: &[f64]) {
     assert_eq!(large.len(), small.len(), "{name}");
     for (a, b) in large.iter().zip(small) {
-        assert!((a - b * SCALE).abs() <= 1e-9 * a.abs(), "{name}: {a} {} {:.1e}", b * SCALE, b * SCALE / a - 1.0);
+        assert!(
+            (a - b * SCALE).abs() <= 1e-9 * a.abs(),
+            "{name}: {a} {} {:.1e}",
+            b * SCALE,
+            b * SCALE / a - 1.0
+        );
     }
 }
 
@@ -80,7 +86,10 @@ fn campbell_diagrams_and_critical_speeds_of_every_case() {
         let (a, b) = (campbell(&large), campbell(&small(&large.case)));
         let name = path.display().to_string();
         let last = |c: &rotor::results::Campbell| -> Vec<f64> {
-            c.branches.iter().map(|b| b.frequency_rad_s.last().copied().flatten().expect("a frequency")).collect()
+            c.branches
+                .iter()
+                .map(|b| b.frequency_rad_s.last().copied().flatten().expect("a frequency"))
+                .collect()
         };
         let criticals = |c: &rotor::results::Campbell| -> Vec<f64> {
             c.critical_speeds.iter().map(|c| c.speed_rad_s).collect()

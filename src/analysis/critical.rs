@@ -98,15 +98,18 @@ pub fn critical_speeds(
     let b_rigid = apply_b(rigid.as_ref());
     let rigid_block = rigid.transpose() * &b_rigid;
     let rigid_factor = rigid_block.full_piv_lu();
+    // motions with strain at Omega > 0 satisfy R^T B x = 0
+    let clean = |x: &mut Mat<f64>| {
+        if n_rigid > 0 {
+            let share = rigid_factor.solve(b_rigid.transpose() * &*x);
+            *x -= &rigid * share;
+        }
+    };
     let solve = |f: Mat<f64>| {
         let top = flexibility.solve(f.get(..n, ..).to_owned());
         let bottom = flexibility.solve(f.get(n.., ..).to_owned());
         let mut x = stack(top.as_ref(), bottom.as_ref());
-        if n_rigid > 0 {
-            // motions with strain at Omega > 0 satisfy R^T B x = 0
-            let share = rigid_factor.solve(b_rigid.transpose() * &x);
-            x -= &rigid * share;
-        }
+        clean(&mut x);
         x
     };
     let pencil = Pencil {
@@ -115,6 +118,7 @@ pub fn critical_speeds(
         apply_k: &|x| halves(&|a| multiply(&operators.stiffness, a), x),
         apply_b: &apply_b,
         solve: &solve,
+        clean: &clean,
     };
     let wanted = expected.min(MOST);
     let pairs = lanczos::lowest(&pencil, 2 * wanted)?;

@@ -372,7 +372,8 @@ impl Reduced {
                 scaled * axes.adjoint()
             };
             let turned: Vec<Vec<c64>> = cluster.iter().map(|m| self.turned(&m.right)).collect();
-            let momentum = Mat::from_fn(k, k, |i, j| c64::new(0.0, -1.0) * product(&cluster[i].right, &turned[j]));
+            let momentum =
+                Mat::from_fn(k, k, |i, j| c64::new(0.0, -1.0) * product(&cluster[i].right, &turned[j]));
             let (_, senses) = self_adjoint((root(-0.5) * momentum * root(-0.5)).as_ref())?;
             let mix = |vectors: Vec<Vec<c64>>, weights: &Mat<c64>| -> Vec<Vec<c64>> {
                 let entry = |j: usize, at: usize| (0..k).map(|i| vectors[i][at] * weights[(i, j)]).sum();

@@ -142,6 +142,7 @@ impl Spectrum {
             apply_k: &|x| multiply(&stiffness, x),
             apply_b: &|x| multiply(&mass, x),
             solve: &|f| flexibility.solve(f),
+            clean: &|x| flexibility.without_rigid(x),
         };
         // A few more than wanted, so that the count falls into a gap; more again if one was missed.
         let mut extra = 3;

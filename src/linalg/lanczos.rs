@@ -25,6 +25,8 @@ pub struct Pencil<'a> {
     pub apply_b: &'a dyn Fn(MatRef<'_, f64>) -> Mat<f64>,
     /// `K^-1 F`, on the complement of the null space of K.
     pub solve: &'a dyn Fn(Mat<f64>) -> Mat<f64>,
+    /// Removes what lies in the null space of K: it has no energy, so nothing else here would see it grow.
+    pub clean: &'a dyn Fn(&mut Mat<f64>),
 }
 
 /// Eigenpairs with the smallest positive lambda, ascending; vectors in columns with `x^T K x = lambda`
@@ -109,11 +111,12 @@ fn orthonormal(pencil: &Pencil<'_>, basis: MatRef<'_, f64>, w: Mat<f64>) -> Resu
         for _ in 0..2 - pass {
             let share = basis.transpose() * (pencil.apply_k)(v.as_ref());
             v -= basis * share;
+            (pencil.clean)(&mut v);
         }
         let gram = v.transpose() * (pencil.apply_k)(v.as_ref());
         let (squares, directions) = self_adjoint(gram.as_ref())?;
         // A direction counts when it is above the rounding error of what was subtracted.
-        let noise = original.iter().fold(0.0, |a: f64, b| a.max(*b)) * 1e-24;
+        let noise = original.iter().fold(0.0, |a: f64, b| a.max(*b)) * 1e-20;
         let kept: Vec<usize> = (0..squares.len())
             .filter(|&i| if pass == 0 { squares[i] > noise } else { squares[i] > 0.25 })
             .collect();
@@ -171,6 +174,7 @@ mod tests {
             apply_k: &|x| scale(x, &|k| k),
             apply_b: &|x| x.to_owned(),
             solve: &|x| scale(x.as_ref(), &|k| 1.0 / k),
+            clean: &|_| (),
         };
         lowest(&pencil, wanted).unwrap()
     }
