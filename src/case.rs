@@ -604,7 +604,8 @@ fn short(value: &Value) -> String {
     if text.chars().count() <= 80 { text } else { text.chars().take(77).collect::<String>() + "..." }
 }
 
-/// Puts a new value at a dotted path; the last key may be new.
+/// Puts a new value at a dotted path. Keys that are missing are made; whether they may exist at all is for
+/// the types of [`Case`] to say.
 fn replace(value: &mut Value, path: &str, new: Value) -> Result<()> {
     let wrong = |step: &str, there: String| {
         Err(Error::Usage(format!("override {path}: there is no `{step}` in the case; there {there}")))
@@ -615,11 +616,7 @@ fn replace(value: &mut Value, path: &str, new: Value) -> Result<()> {
         let last = i + 1 == steps.len();
         place = match place {
             Value::Object(map) => {
-                if !map.contains_key(*step) && !last {
-                    let keys: Vec<&str> = map.keys().map(String::as_str).collect();
-                    return wrong(step, format!("are the keys {}", keys.join(", ")));
-                }
-                map.entry(step.to_string()).or_insert(Value::Null)
+                map.entry(step.to_string()).or_insert_with(|| if last { Value::Null } else { Value::Object(Map::new()) })
             }
             Value::Array(list) => {
                 let length = list.len();

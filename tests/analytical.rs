@@ -55,7 +55,7 @@ fn torsion_of_circles() {
 fn bending_of_a_slender_beam() {
     let r = 0.005;
     let supports = json!([{ "at": 0, "kind": "pinned" }, { "at": 2, "kind": "roller" }]);
-    let found = of_kind(&shaft(circle(r), 2.0, 24, json!({ "supports": supports })), ModeKind::Bending);
+    let found = of_kind(&shaft(circle(r), 2.0, 48, json!({ "supports": supports })), ModeKind::Bending);
     let ks = 6.0 * 1.69 / (7.0 + 3.6 + 0.36);
     for k in 1..=3 {
         let wave = k as f64 * PI / 2.0;
@@ -120,7 +120,7 @@ fn conical_whirl_of_a_rigid_body() {
         2,
         json!({
             "supports": [bearing(0.0), bearing(l)],
-            "campbell": { "speeds": { "to": 1000, "count": 11 }, "modes": 4 }
+            "campbell": { "speeds": { "to": 100, "count": 11 }, "modes": 4 }
         }),
     );
     let m = RHO * PI * r * r * l;

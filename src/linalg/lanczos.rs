@@ -4,7 +4,7 @@
 //! may be indefinite: the largest positive `theta = 1/lambda` are wanted. Blocks find copies of multiple
 //! eigenvalues; the caller proves completeness by a Sturm count and may ask for more.
 
-use super::dense::self_adjoint;
+use super::dense::{graded_eigenvectors, self_adjoint};
 use crate::error::{Error, Result};
 use faer::{Mat, MatRef};
 
@@ -12,6 +12,8 @@ use faer::{Mat, MatRef};
 const BLOCK: usize = 6;
 /// Relative residual at which a Ritz pair counts as converged; the eigenvalue's error is its square.
 const TOLERANCE: f64 = 1e-11;
+/// Steps of subspace iteration at most.
+const POLISHING: usize = 30;
 
 /// The operators of `K x = lambda B x`, applied to blocks of columns.
 pub struct Pencil<'a> {
@@ -67,7 +69,8 @@ pub fn lowest(pencil: &Pencil<'_>, wanted: usize) -> Result<Eigenpairs> {
                 (0..thetas.len()).rev().take(wanted).take_while(|&i| thetas[i] > 0.0).collect();
             let settled = |i: &usize| remainder.col(*i).norm_l2() <= TOLERANCE * thetas[*i];
             if exhausted || (best.len() == wanted && best.iter().all(settled)) {
-                return Ok(ritz_pairs(basis.as_ref(), &thetas, weights.as_ref(), &best));
+                let near: Vec<usize> = (0..thetas.len()).rev().take(wanted + BLOCK).take_while(|&i| thetas[i] > 0.0).collect();
+                return Ok(polished(pencil, ritz_vectors(basis.as_ref(), weights.as_ref(), &near), best.len()));
             }
             if full {
                 return Err(Error::analysis(
@@ -135,15 +138,62 @@ fn energies(w: &Mat<f64>, kw: &Mat<f64>) -> Vec<f64> {
     (0..w.ncols()).map(|j| w.col(j).transpose() * kw.col(j)).collect()
 }
 
-fn ritz_pairs(
-    basis: MatRef<'_, f64>,
-    thetas: &[f64],
-    weights: MatRef<'_, f64>,
-    best: &[usize],
-) -> Eigenpairs {
-    let values: Vec<f64> = best.iter().map(|&i| 1.0 / thetas[i]).collect();
-    let chosen = Mat::from_fn(weights.nrows(), best.len(), |i, j| weights[(i, best[j])] * values[j].sqrt());
-    Eigenpairs { vectors: basis * chosen, values }
+fn ritz_vectors(basis: MatRef<'_, f64>, weights: MatRef<'_, f64>, best: &[usize]) -> Mat<f64> {
+    basis * Mat::from_fn(weights.nrows(), best.len(), |i, j| weights[(i, best[j])])
+}
+
+/// Subspace iteration with a Rayleigh-Ritz step that keeps relative accuracy; the `wanted` lowest pairs.
+///
+/// The dense eigenproblem of the Lanczos basis errs by a rounding of the largest theta. Where lambda spans many
+/// decades (a stiff shaft in soft bearings) that is too much for modes far above the lowest; here the
+/// projected matrix is nearly diagonal and graded, which Jacobi rotations solve to the last digit of each.
+fn polished(pencil: &Pencil<'_>, ritz: Mat<f64>, wanted: usize) -> Eigenpairs {
+    let mut x = ritz;
+    let mut thetas: Vec<f64> = Vec::new();
+    for _ in 0..POLISHING {
+        let mut y = (pencil.solve)((pencil.apply_b)(x.as_ref()));
+        let mut ky = (pencil.apply_k)(y.as_ref());
+        if !thetas.is_empty() {
+            // remainder of K^-1 B x = theta x in the energy norm, by its parts: x^T K x = 1
+            let settled = |i: usize| {
+                let rest = y.subcols(i, 1) - x.subcols(i, 1) * faer::Scale(thetas[i]);
+                let energy = energies(&rest, &(pencil.apply_k)(rest.as_ref()))[0].max(0.0);
+                energy.sqrt() <= TOLERANCE * thetas[i]
+            };
+            if (0..wanted).all(settled) {
+                break;
+            }
+        }
+        ascending_orthonormal(&mut y, &mut ky);
+        let mut projected = y.transpose() * (pencil.apply_b)(y.as_ref());
+        let rotation = graded_eigenvectors(&mut projected);
+        let mut order: Vec<usize> = (0..y.ncols()).collect();
+        order.sort_by(|&a, &b| projected[(b, b)].total_cmp(&projected[(a, a)]));
+        thetas = order.iter().map(|&i| projected[(i, i)]).collect();
+        x = &y * Mat::from_fn(y.ncols(), y.ncols(), |i, j| rotation[(i, order[j])]);
+    }
+    let values: Vec<f64> = thetas[..wanted].iter().map(|theta| 1.0 / theta).collect();
+    let vectors = Mat::from_fn(x.nrows(), wanted, |i, j| x[(i, j)] * values[j].sqrt());
+    Eigenpairs { values, vectors }
+}
+
+/// Gram-Schmidt in the energy product, twice, the softest directions first: they are the ones that grow as noise
+/// in the others. `kx` follows as `K x`.
+fn ascending_orthonormal(x: &mut Mat<f64>, kx: &mut Mat<f64>) {
+    for i in 0..x.ncols() {
+        for _ in 0..2 {
+            let share = x.get(.., ..i).transpose() * kx.subcols(i, 1);
+            let (part, k_part) = (x.get(.., ..i) * &share, kx.get(.., ..i) * &share);
+            let mut column = x.subcols_mut(i, 1);
+            column -= part;
+            let mut column = kx.subcols_mut(i, 1);
+            column -= k_part;
+        }
+        let energy: f64 = x.col(i).transpose() * kx.col(i);
+        let scale = 1.0 / energy.sqrt();
+        x.col_mut(i).iter_mut().for_each(|v| *v *= scale);
+        kx.col_mut(i).iter_mut().for_each(|v| *v *= scale);
+    }
 }
 
 /// A small deterministic generator (xorshift), so that runs repeat bit by bit.
