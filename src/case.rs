@@ -615,9 +615,9 @@ fn replace(value: &mut Value, path: &str, new: Value) -> Result<()> {
     for (i, step) in steps.iter().enumerate() {
         let last = i + 1 == steps.len();
         place = match place {
-            Value::Object(map) => {
-                map.entry(step.to_string()).or_insert_with(|| if last { Value::Null } else { Value::Object(Map::new()) })
-            }
+            Value::Object(map) => map
+                .entry(step.to_string())
+                .or_insert_with(|| if last { Value::Null } else { Value::Object(Map::new()) }),
             Value::Array(list) => {
                 let length = list.len();
                 match step.parse::<usize>().ok().and_then(|i| list.get_mut(i)) {

@@ -24,7 +24,8 @@ const MATERIAL: Material = Material {
 
 fn members() -> Vec<ElementKind> {
     let cubic = (1..=5).map(|n| ElementKind { axial_degree: 3, section_order: n, law: Law::Continuum });
-    let compared = [Law::Split, Law::Structural].map(|law| ElementKind { axial_degree: 2, section_order: 1, law });
+    let compared =
+        [Law::Split, Law::Structural].map(|law| ElementKind { axial_degree: 2, section_order: 1, law });
     cubic.chain(compared).collect()
 }
 
@@ -74,7 +75,9 @@ fn mass_and_its_moments() {
             let along = field(kind, length, r, |x| [[x, 0.0, 0.0], [0.0; 3], [0.0; 3]]);
             let in_y = field(kind, length, r, |_| [[0.0; 3], [1.0, 0.0, 0.0], [0.0; 3]]);
             let in_z = field(kind, length, r, |_| [[0.0; 3], [0.0; 3], [1.0, 0.0, 0.0]]);
-            let close = |a: f64, b: f64| assert!((a - b).abs() <= 1e-12 * b.abs().max(1e-9 * mass), "{kind:?} {a} {b}");
+            let close = |a: f64, b: f64| {
+                assert!((a - b).abs() <= 1e-12 * b.abs().max(1e-9 * mass), "{kind:?} {a} {b}")
+            };
             close(energy(&m, &moved, &moved), mass);
             close(energy(&m, &moved, &along), mass * length / 2.0);
             close(energy(&m, &along, &along), mass * length * length / 3.0);
@@ -119,7 +122,10 @@ fn rigid_motions_give_no_force() {
                 for i in 0..q.len() {
                     let force: f64 = (0..q.len()).map(|j| k[(i, j)] * q[j]).sum();
                     let scale: f64 = (0..q.len()).map(|j| (k[(i, j)] * q[j]).abs()).sum();
-                    assert!(force.abs() <= 1e-13 * scale.max(k.norm_max() * 1e-3), "{kind:?} motion {motion}");
+                    assert!(
+                        force.abs() <= 1e-13 * scale.max(k.norm_max() * 1e-3),
+                        "{kind:?} motion {motion}"
+                    );
                 }
             }
         }
@@ -130,7 +136,10 @@ fn rigid_motions_give_no_force() {
 #[test]
 fn patch_of_uneven_elements() {
     let segment = |length: f64| json!({ "length": length, "elements": 1, "section": "s", "material": "m" });
-    for section in [json!({ "shape": "circle", "radius": 0.1 }), json!({ "shape": "rectangle", "height": 0.2, "width": 0.1 })] {
+    for section in [
+        json!({ "shape": "circle", "radius": 0.1 }),
+        json!({ "shape": "rectangle", "height": 0.2, "width": 0.1 }),
+    ] {
         for element in ["34X1", "34X2", "34X3", "34X4", "34X5", "3333c"] {
             let segments = json!([segment(0.3), segment(0.1), segment(0.45), segment(0.15)]);
             let case = with(
@@ -150,7 +159,8 @@ fn patch_of_uneven_elements() {
             let column = Mat::from_fn(q.len(), 1, |i, _| q[i]);
             let force = rotor::linalg::sparse::multiply(&assembly.stiffness(), column.as_ref());
             let last = model.nodes.len() - 1;
-            let ends: Vec<usize> = assembly.numbering.of_node(0).chain(assembly.numbering.of_node(last)).collect();
+            let ends: Vec<usize> =
+                assembly.numbering.of_node(0).chain(assembly.numbering.of_node(last)).collect();
             let scale = MATERIAL.youngs_modulus * model.sections[0].area();
             for i in (0..q.len()).filter(|i| !ends.contains(i)) {
                 assert!(force[(i, 0)].abs() <= 1e-12 * scale, "{element} {i}: {}", force[(i, 0)] / scale);
@@ -180,11 +190,23 @@ fn check_agrees_with_the_matrices() {
             .collect();
         let product = |a: &[f64], b: &[f64]| m.entries.iter().map(|&(i, j, v)| a[i] * v * b[j]).sum::<f64>();
         assert!((product(&unit, &unit) / p.mass() - 1.0).abs() < 1e-12);
-        assert!((product(&turn, &turn) / p.polar - 1.0).abs() < 1e-12, "{stem}: {} {}", product(&turn, &turn), p.polar);
+        assert!(
+            (product(&turn, &turn) / p.polar - 1.0).abs() < 1e-12,
+            "{stem}: {} {}",
+            product(&turn, &turn),
+            p.polar
+        );
     }
 }
 
-fn random_case(radius: f64, bore: f64, length: f64, elements: usize, order: usize, more: Value) -> rotor::case::LoadedCase {
+fn random_case(
+    radius: f64,
+    bore: f64,
+    length: f64,
+    elements: usize,
+    order: usize,
+    more: Value,
+) -> rotor::case::LoadedCase {
     let section = if bore > 0.0 {
         json!({ "shape": "tube", "outer_radius": radius, "inner_radius": bore * radius })
     } else {

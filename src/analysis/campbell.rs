@@ -103,9 +103,8 @@ fn refuse_asymmetric(model: &Model, settings: &CampbellSettings) -> Result<()> {
     let spins = settings.speeds.iter().any(|s| *s > 0.0) && settings.gyroscopic != Gyroscopic::None;
     if spins && model.sections.iter().any(|s| !s.is_axisymmetric()) {
         return Err(Error::Usage(
-            "campbell: a section of this shaft is not axisymmetric (ellipse or rectangle). In the stationary frame its \
-             stiffness changes with the angle, so it has no constant gyroscopic form; the rotating frame, which such a \
-             rotor needs, is not part of this version.\n  allowed: circle and tube sections, or `rotor modes` at rest"
+            "a section is not axisymmetric (ellipse or rectangle): seen from the stationary frame its stiffness changes \
+             with the angle, and the rotating frame that such a rotor needs is not part of this version"
                 .to_owned(),
         ));
     }

@@ -69,8 +69,13 @@ pub fn lowest(pencil: &Pencil<'_>, wanted: usize) -> Result<Eigenpairs> {
                 (0..thetas.len()).rev().take(wanted).take_while(|&i| thetas[i] > 0.0).collect();
             let settled = |i: &usize| remainder.col(*i).norm_l2() <= TOLERANCE * thetas[*i];
             if exhausted || (best.len() == wanted && best.iter().all(settled)) {
-                let near: Vec<usize> = (0..thetas.len()).rev().take(wanted + BLOCK).take_while(|&i| thetas[i] > 0.0).collect();
-                return Ok(polished(pencil, ritz_vectors(basis.as_ref(), weights.as_ref(), &near), best.len()));
+                let near: Vec<usize> =
+                    (0..thetas.len()).rev().take(wanted + BLOCK).take_while(|&i| thetas[i] > 0.0).collect();
+                return Ok(polished(
+                    pencil,
+                    ritz_vectors(basis.as_ref(), weights.as_ref(), &near),
+                    best.len(),
+                ));
             }
             if full {
                 return Err(Error::analysis(
@@ -150,19 +155,20 @@ fn ritz_vectors(basis: MatRef<'_, f64>, weights: MatRef<'_, f64>, best: &[usize]
 fn polished(pencil: &Pencil<'_>, ritz: Mat<f64>, wanted: usize) -> Eigenpairs {
     let mut x = ritz;
     let mut thetas: Vec<f64> = Vec::new();
+    let mut earlier = f64::INFINITY;
     for _ in 0..POLISHING {
         let mut y = (pencil.solve)((pencil.apply_b)(x.as_ref()));
         let mut ky = (pencil.apply_k)(y.as_ref());
         if !thetas.is_empty() {
-            // remainder of K^-1 B x = theta x in the energy norm, by its parts: x^T K x = 1
-            let settled = |i: usize| {
-                let rest = y.subcols(i, 1) - x.subcols(i, 1) * faer::Scale(thetas[i]);
-                let energy = energies(&rest, &(pencil.apply_k)(rest.as_ref()))[0].max(0.0);
-                energy.sqrt() <= TOLERANCE * thetas[i]
-            };
-            if (0..wanted).all(settled) {
+            // remainder of K^-1 B x = theta x in the energy norm; x^T K x = 1
+            let rest = Mat::from_fn(y.nrows(), wanted, |i, j| y[(i, j)] - thetas[j] * x[(i, j)]);
+            let energy = energies(&rest, &(pencil.apply_k)(rest.as_ref()));
+            let worst = (0..wanted).map(|i| energy[i].max(0.0).sqrt() / thetas[i]).fold(0.0, f64::max);
+            // below the tolerance, or down at the rounding error of the solution with K
+            if worst <= TOLERANCE || worst > 0.7 * earlier {
                 break;
             }
+            earlier = worst;
         }
         ascending_orthonormal(&mut y, &mut ky);
         let mut projected = y.transpose() * (pencil.apply_b)(y.as_ref());

@@ -23,7 +23,9 @@ impl Model {
         let input = Input { loaded, case: &loaded.case };
         let (materials, material_names) = input.materials()?;
         let (sections, section_names) = input.sections()?;
-        let plans = input.segments(&section_names, &material_names, &sections)?;
+        let mut plans = input.segments(&section_names, &material_names, &sections)?;
+        let sections = used(sections, plans.iter_mut().map(|p| &mut p.section).collect());
+        let materials = used(materials, plans.iter_mut().map(|p| &mut p.material).collect());
         let length: f64 = plans.iter().map(|p| p.length).sum();
         let mesh = input.mesh(&plans, length)?;
         let disks = input.disks(&mesh)?;
@@ -31,9 +33,8 @@ impl Model {
         input.loads(length)?;
         let probes = input.probes(&mesh, length, &sections)?;
         input.expected()?;
-        let used = |plan: &SegmentPlan| sections[plan.section].outer_size();
         Ok(Self {
-            reference_length: plans.iter().map(used).fold(0.0, f64::max),
+            reference_length: sections.iter().map(Section::outer_size).fold(0.0, f64::max),
             length,
             has_gravity: loaded.case.gravity.is_some_and(|g| g.iter().any(|c| c.0 != 0.0)),
             has_loads: !loaded.case.loads.is_empty(),
@@ -731,6 +732,19 @@ impl Input<'_> {
         }
         Ok(())
     }
+}
+
+/// Keeps what is referred to, in order of first use, and renumbers the references.
+fn used<T: Copy>(list: Vec<T>, references: Vec<&mut usize>) -> Vec<T> {
+    let mut kept: Vec<usize> = Vec::new();
+    for reference in references {
+        let at = kept.iter().position(|k| k == reference).unwrap_or_else(|| {
+            kept.push(*reference);
+            kept.len() - 1
+        });
+        *reference = at;
+    }
+    kept.into_iter().map(|i| list[i]).collect()
 }
 
 fn acts_on(given: Option<case::ActsOn>) -> ActsOn {

@@ -1,0 +1,321 @@
+//! Bad input: exit code 2, file, JSON path, value and remedy in the message, nothing written, no panic.
+
+mod common;
+
+use proptest::prelude::*;
+use rotor::case::{Case, LoadedCase};
+use rotor::error::{Error, Result};
+use rotor::model::Model;
+use serde_json::{Map, Value, json};
+use std::path::Path;
+use std::process::Command;
+
+fn valid() -> Value {
+    json!({
+        "title": "valid",
+        "materials": { "steel": { "E": "210 GPa", "nu": 0.3, "rho": 7850 } },
+        "sections": {
+            "solid": { "shape": "circle", "radius": 0.05 },
+            "hollow": { "shape": "tube", "outer_radius": 0.05, "inner_radius": 0.03 },
+            "oval": { "shape": "ellipse", "semi_axis_y": 0.05, "semi_axis_z": 0.04 },
+            "bar": { "shape": "rectangle", "height": 0.1, "width": 0.05 }
+        },
+        "shaft": { "element": "34X3", "segments": [{ "length": 1, "elements": 4, "section": "solid", "material": "steel" }] },
+        "disks": [{ "at": 0.5, "mass": 10, "polar_inertia": 0.1, "diametral_inertia": 0.06 }],
+        "supports": [
+            { "at": 0, "kind": "revolute" },
+            { "at": 1, "kind": "bearing", "stiffness": [[1e8, 0], [0, 1e8]] }
+        ],
+        "probes": [{ "name": "surface", "at": 0.3, "y": 0.05 }],
+        "loads": [{ "at": 0.25, "force": [0, 1, 0] }],
+        "modes": { "count": 4 },
+        "campbell": { "speeds": { "from": 0, "to": "1000 rpm", "count": 3 }, "modes": 2 }
+    })
+}
+
+fn build(value: Value) -> Result<Model> {
+    Model::new(&LoadedCase::from_value("bad.json", value)?)
+}
+
+fn changed(set: &[(&str, Value)]) -> Result<Model> {
+    let overrides: Map<String, Value> = set.iter().map(|(path, v)| (path.to_string(), v.clone())).collect();
+    Model::new(&LoadedCase::from_value("bad.json", valid())?.with(&overrides)?)
+}
+
+#[test]
+fn the_valid_case_is_valid() {
+    build(valid()).unwrap_or_else(|e| panic!("{e}"));
+}
+
+/// `(what is changed, path in the message, words in the message)`.
+#[test]
+fn every_fault_names_path_value_and_remedy() {
+    let many = json!(1_000_000_000);
+    let table: Vec<(&str, Value, &str, &[&str])> = vec![
+        // types, keys, words
+        ("materials.steel.nu", json!("0.3"), "materials.steel.nu", &["\"0.3\"", "f64"]),
+        ("title", json!(5), "title", &["5", "string"]),
+        ("shaft.segments", json!({}), "shaft.segments", &["{}"]),
+        ("shaft.segments.0.elements", json!(2.5), "shaft.segments.0.elements", &["2.5"]),
+        ("shaft.segments.0.elements", json!(-3), "shaft.segments.0.elements", &["-3"]),
+        ("shaft.segmets", json!([]), "shaft.segmets", &["did you mean \"segments\"", "element, segments"]),
+        ("campbel", json!({}), "campbel", &["did you mean \"campbell\""]),
+        ("sections.solid.raduis", json!(1), "sections.solid.raduis", &["did you mean \"radius\""]),
+        ("sections.solid.shape", json!("circel"), "sections.solid.shape", &["did you mean \"circle\""]),
+        ("supports.0.kind", json!("hinge"), "supports.0.kind", &["hinge", "clamped", "bearing"]),
+        ("campbell.reduction", json!("all"), "campbell.reduction", &["\"all\"", "none"]),
+        // units
+        ("sections.solid.radius", json!("5 mmm"), "sections.solid.radius", &["did you mean \"mm\""]),
+        (
+            "sections.solid.radius",
+            json!("5 GPa"),
+            "sections.solid.radius",
+            &["stress", "length", "m, mm, um, km, in"],
+        ),
+        ("sections.solid.radius", json!("5"), "sections.solid.radius", &["no unit"]),
+        ("sections.solid.radius", json!("NaN m"), "sections.solid.radius", &["NaN m"]),
+        ("sections.solid.radius", json!("1e999 m"), "sections.solid.radius", &["not a finite number"]),
+        ("sections.solid.radius", json!(null), "sections.solid.radius", &["needs \"radius\""]),
+        ("campbell.speeds.to", json!("1000 m"), "campbell.speeds.to", &["length", "speed", "rpm"]),
+        // ranges
+        ("shaft.segments.0.length", json!(0), "shaft.segments.0.length", &["positive"]),
+        ("shaft.segments.0.length", json!(-1), "shaft.segments.0.length", &["-1", "positive"]),
+        ("shaft.segments.0.elements", json!(0), "shaft.segments.0.elements", &["at least 1"]),
+        ("shaft.segments.0.elements", many, "shaft.segments.0.elements", &["GB of memory", "fewer elements"]),
+        ("shaft.segments.0.elements", json!(u64::MAX), "shaft.segments.0.elements", &["GB of memory"]),
+        ("shaft.segments", json!([]), "shaft.segments", &["at least one segment"]),
+        ("sections.solid.radius", json!(-0.1), "sections.solid.radius", &["positive"]),
+        (
+            "sections.hollow.inner_radius",
+            json!(0.05),
+            "sections.hollow.inner_radius",
+            &["0.05", "below 0.05"],
+        ),
+        ("sections.hollow.inner_radius", json!(0.06), "sections.hollow.inner_radius", &["not smaller"]),
+        ("sections.oval.inner_semi_axis_y", json!(0.01), "sections.oval", &["both semi-axes"]),
+        ("sections.bar.radius", json!(0.01), "sections.bar.radius", &["height, width"]),
+        ("materials.steel.E", json!(0), "materials.steel.E", &["positive"]),
+        ("materials.steel.rho", json!(-1), "materials.steel.rho", &["positive"]),
+        ("materials.steel.nu", json!(0.5), "materials.steel.nu", &["below 0.5"]),
+        ("materials.steel.nu", json!(-1.0), "materials.steel.nu", &["above -1"]),
+        (
+            "materials.steel.damping",
+            json!({ "mass": -1 }),
+            "materials.steel.damping.mass",
+            &["not be negative"],
+        ),
+        // names
+        (
+            "shaft.segments.0.material",
+            json!("steal"),
+            "shaft.segments.0.material",
+            &["did you mean \"steel\"", "allowed: steel"],
+        ),
+        ("shaft.segments.0.section", json!("box"), "shaft.segments.0.section", &["solid"]),
+        ("shaft.element", json!("34X6"), "shaft.element", &["34X1"]),
+        ("shaft.segments.0.element", json!("34Rdh"), "shaft.segments.0.element", &["34X1"]),
+        // places
+        ("disks.0.at", json!(1.5), "disks.0.at", &["off the shaft", "0 to 1 m"]),
+        ("probes.0.at", json!(-0.1), "probes.0.at", &["off the shaft"]),
+        ("probes.0.y", json!(0.06), "probes.0.y", &["outside the section"]),
+        ("loads.0.at", json!(7), "loads.0.at", &["off the shaft"]),
+        // disks
+        ("disks.0.radius", json!(0.1), "disks.0.radius", &["not both"]),
+        ("disks.0.mass", json!(0), "disks.0.mass", &["positive"]),
+        ("disks.0.diametral_inertia", json!(0.01), "disks.0.diametral_inertia", &["half the polar"]),
+        ("disks", json!([{ "at": 0.5, "mass": 1 }]), "disks.0.polar_inertia", &["missing"]),
+        (
+            "disks",
+            json!([{ "at": 0.5, "radius": 0.1, "inner_radius": 0.2, "thickness": 0.1, "rho": 1 }]),
+            "disks.0.inner_radius",
+            &["below 0.1"],
+        ),
+        // supports
+        ("supports.1.at", json!(2), "supports.1.at", &["off the shaft"]),
+        ("supports.1.kind", json!("roller"), "supports.1.stiffness", &["has no \"stiffness\"", "acts_on"]),
+        ("supports.0.fix", json!(["r"]), "supports.0.fix", &["not both"]),
+        ("supports", json!([{ "at": 0 }]), "supports.0", &["holds nothing"]),
+        (
+            "supports",
+            json!([{ "at": 0, "kind": "clamped" }, { "at": 0, "kind": "roller" }]),
+            "supports.1",
+            &["contradicts `supports.0`"],
+        ),
+        (
+            "supports",
+            json!([{ "at": 0, "kind": "pinned" }, { "at": 0, "fix": ["r"] }]),
+            "supports.1",
+            &["contradicts"],
+        ),
+        ("supports", json!([{ "at": 0, "fix": ["r", "r.x"] }]), "supports.0.fix.1", &["twice"]),
+        ("supports", json!([{ "at": 0, "fix": ["yyyy"] }]), "supports.0.fix.0", &["yyyy", "all, r, y, z"]),
+        ("supports.1.stiffness", json!([[-1, 0], [0, 1]]), "supports.1.stiffness", &["statically unstable"]),
+        ("supports.1.stiffness", json!([[1, 0], [0]]), "supports.1.stiffness.1", &["[0]"]),
+        // sweep
+        ("campbell.speeds.to", json!(0), "campbell.speeds.to", &["above 0"]),
+        ("campbell.speeds.to", json!(-5), "campbell.speeds.to", &["above 0"]),
+        ("campbell.speeds.from", json!(200), "campbell.speeds.from", &["does not rise"]),
+        ("campbell.speeds.count", json!(0), "campbell.speeds.count", &["1 to 100000"]),
+        ("campbell.modes", json!(0), "campbell.modes", &["1 to 1000"]),
+        ("modes.count", json!(0), "modes.count", &["1 to 2000"]),
+        ("campbell.reduction", json!(5), "campbell.reduction", &["modes + 8"]),
+        ("campbell.form", json!("consistent"), "campbell.form", &["classical"]),
+        ("campbell.frame", json!("rotating"), "campbell.frame", &["stationary"]),
+        ("campbell.orders", json!([-1]), "campbell.orders.0", &["positive"]),
+        (
+            "expected",
+            json!([{ "path": "x", "value": "y", "rtol": 1, "source": "s" }]),
+            "expected.0.value",
+            &["number"],
+        ),
+        ("expected", json!([{ "path": "x", "value": 1, "source": "s" }]), "expected.0", &["rtol or atol"]),
+    ];
+    for (place, value, path, words) in table {
+        let error = changed(&[(place, value.clone())])
+            .err()
+            .unwrap_or_else(|| panic!("{place} = {value} was accepted"));
+        let message = error.to_string();
+        assert_eq!(error.exit_code(), 2, "{message}");
+        assert!(message.starts_with(&format!("bad.json: at `{path}`:")), "{place} = {value}: {message}");
+        assert!(message.contains("found:") && message.contains("allowed:"), "{message}");
+        for word in words {
+            assert!(message.contains(word), "{place} = {value}: no {word:?} in: {message}");
+        }
+    }
+}
+
+#[test]
+fn form_and_frame_contradict() {
+    let set = [("campbell.form", json!("classical")), ("campbell.frame", json!("rotating"))];
+    let message = changed(&set).unwrap_err().to_string();
+    assert!(message.contains("classical form exists in the stationary frame only"), "{message}");
+}
+
+#[test]
+fn comparison_elements_refuse_other_sections() {
+    for (element, section) in [("3333s", "bar"), ("3333s", "hollow"), ("3333c", "hollow"), ("3333c", "oval")]
+    {
+        let set = [("shaft.element", json!(element)), ("shaft.segments.0.section", json!(section))];
+        assert!(changed(&set).unwrap_err().to_string().contains("shear correction"));
+    }
+}
+
+#[test]
+fn overrides_that_lead_nowhere() {
+    let case = LoadedCase::from_value("bad.json", valid()).unwrap();
+    for (path, said) in
+        [("disks.7.at", "1 entries"), ("title.x", "only the value"), ("disks.first.at", "1 entries")]
+    {
+        let set: Map<String, Value> = [(path.to_owned(), json!(1))].into_iter().collect();
+        let error = case.with(&set).unwrap_err();
+        assert!(matches!(error, Error::Usage(_)) && error.to_string().contains(said), "{error}");
+    }
+}
+
+/// The program itself: exit code 2, a message, an empty folder.
+#[test]
+fn bad_files_on_the_command_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let text = serde_json::to_string_pretty(&valid()).unwrap();
+    let file = write("file", "x");
+    let cases = [
+        (write("text.json", "hello"), "not valid JSON"),
+        (write("empty.json", ""), "not valid JSON"),
+        (write("cut.json", &text[..text.len() / 2]), "not valid JSON"),
+        (write("nan.json", &text.replace("0.3,", "NaN,")), "not valid JSON"),
+        (write("huge.json", &text.replace("7850", "1e999")), "not valid JSON"),
+        (write("bytes.json", "\u{0}\u{1}"), "not valid JSON"),
+        (folder.path().join("absent.json"), "cannot read"),
+        (folder.path().to_owned(), "cannot read"),
+        (write("list.json", "[]"), "at `(top level)`"),
+        (write("bare.json", "{}"), "missing"),
+    ];
+    let run = |case: &Path, more: &[&str]| {
+        Command::new(env!("CARGO_BIN_EXE_rotor")).arg("campbell").arg(case).args(more).output().unwrap()
+    };
+    for (case, said) in &cases {
+        let got = run(case, &["--out", out.to_str().unwrap()]);
+        let message = String::from_utf8_lossy(&got.stderr);
+        assert_eq!(got.status.code(), Some(2), "{message}");
+        assert!(
+            message.contains(said) && message.contains(case.file_name().unwrap().to_str().unwrap()),
+            "{message}"
+        );
+        assert!(got.stdout.is_empty() && !out.exists());
+    }
+    let good = write("good.json", &text);
+    let got = run(&good, &["--out", file.join("deeper").to_str().unwrap()]);
+    assert_eq!(got.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&got.stderr).contains("is not a folder"));
+    let oval = ["--set", "shaft.segments.0.section=oval", "--out", out.to_str().unwrap()];
+    let got = run(&good, &oval);
+    assert_eq!(got.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&got.stderr).contains("not axisymmetric") && !out.exists());
+    let got = run(&good, &["--out", out.to_str().unwrap()]);
+    assert_eq!(got.status.code(), Some(0), "{}", String::from_utf8_lossy(&got.stderr));
+}
+
+/// Paths of every value in a case.
+fn places(value: &Value, prefix: &str, into: &mut Vec<String>) {
+    let join = |key: &str| if prefix.is_empty() { key.to_owned() } else { format!("{prefix}.{key}") };
+    match value {
+        Value::Object(map) => map.iter().for_each(|(k, v)| {
+            into.push(join(k));
+            places(v, &join(k), into);
+        }),
+        Value::Array(list) => list.iter().enumerate().for_each(|(i, v)| {
+            into.push(join(&i.to_string()));
+            places(v, &join(&i.to_string()), into);
+        }),
+        _ => {}
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Any value replaced by any other: accepted or refused, never a panic; never a number that is none.
+    #[test]
+    fn mutated_cases_never_panic(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), prop_oneof![
+            Just(json!(null)), Just(json!(true)), Just(json!([])), Just(json!({})), Just(json!("")),
+            Just(json!("1e400 m")), Just(json!("-3 mm")), Just(json!(0)), Just(json!(-1)), Just(json!(1e308)),
+            Just(json!(1e-308)), Just(json!(u64::MAX)), Just(json!([[0, 0], [0, 0]])), Just(json!("all")),
+            any::<f64>().prop_filter("finite", |x| x.is_finite()).prop_map(|x| json!(x)),
+        ]), 1..4)
+    ) {
+        let mut list = Vec::new();
+        places(&valid(), "", &mut list);
+        let mut value = LoadedCase::from_value("mutated.json", valid()).unwrap();
+        for (place, new) in changes {
+            let set: Map<String, Value> = [(list[place.index(list.len())].clone(), new)].into_iter().collect();
+            match value.with(&set) {
+                Ok(changed) => value = changed,
+                Err(error) => {
+                    prop_assert_eq!(error.exit_code(), 2);
+                    return Ok(());
+                }
+            }
+        }
+        if let Ok(model) = Model::new(&value) {
+            prop_assert!(model.length.is_finite() && model.reference_length > 0.0);
+        }
+    }
+}
+
+#[test]
+fn the_schema_knows_every_key_of_the_cases() {
+    let schema = rotor::case::schema().to_string();
+    for path in common::case_files() {
+        let loaded = Case::load(&path, &[]).unwrap();
+        for key in loaded.value.as_object().unwrap().keys() {
+            assert!(schema.contains(&format!("\"{key}\"")), "{key}");
+        }
+    }
+}
