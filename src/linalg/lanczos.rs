@@ -10,8 +10,10 @@ use faer::{Mat, MatRef};
 
 /// Vectors a block.
 const BLOCK: usize = 6;
-/// Relative residual at which a Ritz pair counts as converged; the eigenvalue's error is its square.
-const TOLERANCE: f64 = 1e-11;
+/// Relative residual (energy norm) at which a Ritz pair is good enough to be polished.
+const CONVERGED: f64 = 1e-8;
+/// Relative residual at which a polished pair is final; the eigenvalue's error is its square.
+const FINAL: f64 = 1e-11;
 /// Steps of subspace iteration at most.
 const POLISHING: usize = 30;
 
@@ -67,7 +69,7 @@ pub fn lowest(pencil: &Pencil<'_>, wanted: usize) -> Result<Eigenpairs> {
             let remainder = &coupling * weights.get(basis.ncols() - added.., ..);
             let best: Vec<usize> =
                 (0..thetas.len()).rev().take(wanted).take_while(|&i| thetas[i] > 0.0).collect();
-            let settled = |i: &usize| remainder.col(*i).norm_l2() <= TOLERANCE * thetas[*i];
+            let settled = |i: &usize| remainder.col(*i).norm_l2() <= CONVERGED * thetas[*i];
             if exhausted || (best.len() == wanted && best.iter().all(settled)) {
                 let near: Vec<usize> =
                     (0..thetas.len()).rev().take(wanted + BLOCK).take_while(|&i| thetas[i] > 0.0).collect();
@@ -165,7 +167,7 @@ fn polished(pencil: &Pencil<'_>, ritz: Mat<f64>, wanted: usize) -> Eigenpairs {
             let energy = energies(&rest, &(pencil.apply_k)(rest.as_ref()));
             let worst = (0..wanted).map(|i| energy[i].max(0.0).sqrt() / thetas[i]).fold(0.0, f64::max);
             // below the tolerance, or down at the rounding error of the solution with K
-            if worst <= TOLERANCE || worst > 0.7 * earlier {
+            if worst <= FINAL || worst > 0.7 * earlier {
                 break;
             }
             earlier = worst;
