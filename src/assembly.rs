@@ -16,6 +16,9 @@ use nalgebra::DMatrix;
 /// Relative size below which a constraint or a motion counts as zero.
 const ROUNDING: f64 = 1e-9;
 
+/// The matrix of one element that a system matrix sums.
+type ElementMatrix<'a> = &'a dyn Fn(&Material, &ElementMatrices) -> Mat<f64>;
+
 /// A model with its numbering, constraints and the matrices of its distinct elements.
 pub struct Assembly<'a> {
     /// The model.
@@ -141,7 +144,7 @@ impl<'a> Assembly<'a> {
             Gyroscopic::None => Vec::new(),
             _ => support::disk_gyroscopic(self.model, &self.numbering),
         };
-        let shaft: &dyn Fn(&Material, &ElementMatrices) -> Mat<f64> = &|_, m| m.gyroscopic.clone();
+        let shaft: ElementMatrix<'_> = &|_, m| m.gyroscopic.clone();
         self.build((whose == Gyroscopic::All).then_some(shaft), disks)
     }
 
@@ -206,11 +209,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// Sums element and nodal contributions, `T^T A T`.
-    fn build(
-        &self,
-        shaft: Option<&dyn Fn(&Material, &ElementMatrices) -> Mat<f64>>,
-        nodal: Vec<Contribution>,
-    ) -> Sparse {
+    fn build(&self, shaft: Option<ElementMatrix<'_>>, nodal: Vec<Contribution>) -> Sparse {
         let mut matrices: Vec<Option<Mat<f64>>> = self.distinct.iter().map(|_| None).collect();
         let mut coordinates = Vec::new();
         if let Some(shaft) = shaft {
@@ -325,7 +324,7 @@ impl<'a> Assembly<'a> {
             }
         }
         let null = null_space(&rows);
-        let names = null.iter().map(|c| motion_name(c)).collect();
+        let names = null.iter().map(motion_name).collect();
         let columns: Vec<Vec<f64>> = null
             .iter()
             .map(|c| {

@@ -27,7 +27,7 @@ pub struct Outcome<R> {
 
 /// What every linear analysis about the undeformed state models and leaves out.
 fn summary(model: &Model, degrees_of_freedom: usize, mass_kg: f64) -> ModelSummary {
-    let mut modelled = vec!["linear elasticity about the undeformed state".to_owned()];
+    let mut modelled = vec!["linear elasticity".to_owned()];
     let mut left_out = Vec::new();
     let mut members: Vec<String> = Vec::new();
     for element in &model.elements {
@@ -52,7 +52,7 @@ fn summary(model: &Model, degrees_of_freedom: usize, mass_kg: f64) -> ModelSumma
         left_out.push("disks: none given".to_owned());
     }
     if model.bearings.is_empty() {
-        left_out.push("bearing stiffness and damping: no bearings given".to_owned());
+        left_out.push("bearings: none given".to_owned());
     } else {
         modelled.push(format!("{} linear bearings", model.bearings.len()));
     }

@@ -26,6 +26,7 @@ pub fn modes(model: &Model) -> Result<Outcome<Modes>> {
     let spectrum = Spectrum::new(&assembly, model.modes)?;
     let character = Character::new(&assembly)?;
     let n_rigid = spectrum.rigid_names.len();
+    let residuals = spectrum.residuals();
     let mut list = Vec::new();
     for number in 1..=model.modes.min(n_rigid + spectrum.values.len()) {
         let (value, x) = if number <= n_rigid {
@@ -44,7 +45,7 @@ pub fn modes(model: &Model) -> Result<Outcome<Modes>> {
             frequency_hz: value.sqrt() / std::f64::consts::TAU,
             kind,
             circumferential_order,
-            relative_residual: spectrum.residual(value, x),
+            relative_residual: residuals[number - 1],
             shape: shape(&assembly, &assembly.expand(&column), &energy_share),
             energy_share,
         });
@@ -73,9 +74,7 @@ pub fn modes(model: &Model) -> Result<Outcome<Modes>> {
     }
     let mass = super::check::properties(model).mass();
     let mut model_summary = summary(model, assembly.size(), mass);
-    model_summary
-        .left_out
-        .push("spin: modes are those of the shaft at rest (no gyroscopic matrix was built)".to_owned());
+    model_summary.left_out.push("spin: modes of the shaft at rest (no gyroscopic matrix built)".to_owned());
     if assembly.has_material_damping()
         || model.bearings.iter().any(|b| b.damping.iter().flatten().any(|c| *c != 0.0))
     {

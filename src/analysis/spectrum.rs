@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::linalg::factor::Ldlt;
 use crate::linalg::lanczos::{self, Pencil};
 use crate::linalg::sparse::{Sparse, absolute_product_norm, combine, multiply};
-use faer::{Mat, MatRef};
+use faer::Mat;
 
 /// Generalised inverse of the stiffness: exact on forces in balance, its result free of rigid motion.
 pub struct Flexibility {
@@ -164,12 +164,21 @@ impl Spectrum {
         Ok(Self { mass, stiffness, flexibility, rigid_names, values, vectors, complete })
     }
 
-    /// `|K x - w^2 M x|` over the norm of `|K| |x|`.
-    pub fn residual(&self, value: f64, x: MatRef<'_, f64>) -> f64 {
-        let (kx, mx) = (multiply(&self.stiffness, x), multiply(&self.mass, x));
-        let norm = (kx - mx * faer::Scale(value)).norm_l2();
-        let column: Vec<f64> = x.col(0).iter().copied().collect();
-        norm / absolute_product_norm(&self.stiffness, &column)
+    /// `|K x - w^2 M x|` over the norm of `|K| |x|` for the rigid motions and then the modes with strain.
+    pub fn residuals(&self) -> Vec<f64> {
+        let of = |x: &Mat<f64>, value: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            let (kx, mx) = (multiply(&self.stiffness, x.as_ref()), multiply(&self.mass, x.as_ref()));
+            (0..x.ncols())
+                .map(|j| {
+                    let norm = (kx.col(j) - mx.col(j) * faer::Scale(value(j))).norm_l2();
+                    let column: Vec<f64> = x.col(j).iter().copied().collect();
+                    norm / absolute_product_norm(&self.stiffness, &column)
+                })
+                .collect()
+        };
+        let mut list = of(&self.flexibility.rigid, &|_| 0.0);
+        list.extend(of(&self.vectors, &|j| self.values[j]));
+        list
     }
 }
 

@@ -46,15 +46,19 @@ pub fn general(a: MatRef<'_, f64>) -> Result<(Vec<c64>, Mat<c64>)> {
     for j in 0..n {
         let norm = vectors.col(j).norm_l2();
         for i in 0..n {
-            vectors[(i, j)] /= norm;
+            // a vector that came out as no number starts anew, different for each column
+            let usable = norm.is_finite() && norm > 0.0;
+            vectors[(i, j)] =
+                if usable { vectors[(i, j)] / norm } else { c64::new((1 + i * (j + 7) % 11) as f64, 0.0) };
         }
     }
     let complex = Mat::from_fn(n, n, |i, j| c64::new(scaled[(i, j)], 0.0));
     let norm = scaled.norm_l2();
     for j in 0..n {
         let mut error = residual(&complex, values[j], vectors.as_ref(), j);
-        for _ in 0..2 {
-            if error > 1e-13 * norm {
+        for _ in 0..3 {
+            // written so that a residual that is not a number is worked on too
+            if !(error <= 1e-13 * norm) {
                 sharpen(&complex, values[j], &mut vectors, j, norm);
                 error = residual(&complex, values[j], vectors.as_ref(), j);
             }

@@ -50,7 +50,11 @@ pub fn lowest(pencil: &Pencil<'_>, wanted: usize) -> Result<Eigenpairs> {
     let wanted = wanted.min(pencil.rank);
     let limit = pencil.rank.min(8 * wanted + 40 * BLOCK);
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
-    let mut start = || (pencil.solve)((pencil.apply_b)(random.block(pencil.size, BLOCK).as_ref()));
+    let mut start = || {
+        let w = (pencil.solve)((pencil.apply_b)(random.block(pencil.size, BLOCK).as_ref()));
+        let kw = (pencil.apply_k)(w.as_ref());
+        (w, kw)
+    };
     let mut basis: Mat<f64> = Mat::zeros(pencil.size, 0);
     let mut projected: Mat<f64> = Mat::zeros(0, 0);
     let mut block = orthonormal(pencil, basis.as_ref(), start())?.0;
@@ -60,7 +64,9 @@ pub fn lowest(pencil: &Pencil<'_>, wanted: usize) -> Result<Eigenpairs> {
         let added = block.ncols().min(room);
         let image = (pencil.apply_b)(basis.get(.., basis.ncols() - added..));
         border(&mut projected, basis.transpose() * &image);
-        let (next, coupling) = orthonormal(pencil, basis.as_ref(), (pencil.solve)(image))?;
+        // w = K^-1 B v, so that K w is the image itself (which is free of forces on rigid motions)
+        let w = (pencil.solve)(image.clone());
+        let (next, coupling) = orthonormal(pencil, basis.as_ref(), (w, image))?;
 
         let full = basis.ncols() == limit;
         let exhausted = full && limit == pencil.rank;
@@ -112,29 +118,28 @@ fn border(matrix: &mut Mat<f64>, columns: Mat<f64>) {
 }
 
 /// Splits `w` into its part in the basis (dropped) and `v c` with `v^T K v = I`, `v^T K basis = 0`;
-/// directions that are rounding errors are dropped. Returns `(v, c)`.
-fn orthonormal(pencil: &Pencil<'_>, basis: MatRef<'_, f64>, w: Mat<f64>) -> Result<(Mat<f64>, Mat<f64>)> {
-    let original = energies(&w, &(pencil.apply_k)(w.as_ref()));
-    let mut v = w;
+/// directions that are rounding errors are dropped. Takes `(w, K w)`, returns `(v, c)`.
+fn orthonormal(
+    pencil: &Pencil<'_>,
+    basis: MatRef<'_, f64>,
+    (mut v, mut kv): (Mat<f64>, Mat<f64>),
+) -> Result<(Mat<f64>, Mat<f64>)> {
+    // A direction counts when it is above the rounding error of what is subtracted.
+    let noise = energies(&v, &kv).into_iter().fold(0.0, f64::max) * 1e-20;
     let mut c = Mat::<f64>::identity(v.ncols(), v.ncols());
-    for pass in 0..2 {
-        for _ in 0..2 - pass {
-            let share = basis.transpose() * (pencil.apply_k)(v.as_ref());
-            v -= basis * share;
-            (pencil.clean)(&mut v);
-        }
-        let gram = v.transpose() * (pencil.apply_k)(v.as_ref());
+    for floor in [noise, 0.25] {
+        v -= basis * (basis.transpose() * &kv);
+        (pencil.clean)(&mut v);
+        kv = (pencil.apply_k)(v.as_ref());
+        let gram = v.transpose() * &kv;
         let (squares, directions) = self_adjoint(gram.as_ref())?;
-        // A direction counts when it is above the rounding error of what was subtracted.
-        let noise = original.iter().fold(0.0, |a: f64, b| a.max(*b)) * 1e-20;
-        let kept: Vec<usize> = (0..squares.len())
-            .filter(|&i| if pass == 0 { squares[i] > noise } else { squares[i] > 0.25 })
-            .collect();
+        let kept: Vec<usize> = (0..squares.len()).filter(|&i| squares[i] > floor).collect();
         let turn =
             Mat::from_fn(v.ncols(), kept.len(), |i, j| directions[(i, kept[j])] / squares[kept[j]].sqrt());
         let back =
             Mat::from_fn(kept.len(), v.ncols(), |i, j| directions[(j, kept[i])] * squares[kept[i]].sqrt());
-        v = &v * turn;
+        v = &v * &turn;
+        kv = &kv * turn;
         c = back * c;
     }
     Ok((v, c))

@@ -52,7 +52,7 @@ pub fn absolute_product_norm(a: &Sparse, x: &[f64]) -> f64 {
 }
 
 /// `sum_k factor_k A_k` on the union of the patterns. All matrices have one shape.
-pub fn combine<T: ComplexField<Real = f64> + std::ops::Add<Output = T>>(
+pub fn combine<T: ComplexField<Real = f64> + std::ops::AddAssign>(
     terms: &[(T, &Sparse)],
 ) -> SparseColMat<usize, T> {
     let n = terms.first().map_or(0, |(_, a)| a.ncols());
@@ -73,7 +73,7 @@ pub fn combine<T: ComplexField<Real = f64> + std::ops::Add<Output = T>>(
             let mut sum = T::zero_impl();
             for ((factor, a), at) in terms.iter().zip(at.iter_mut()) {
                 if *at < a.symbolic().col_ptr()[j + 1] && a.symbolic().row_idx()[*at] == row {
-                    sum = sum + factor.mul_real(a.val()[*at]);
+                    sum += factor.mul_real(a.val()[*at]);
                     *at += 1;
                 }
             }

@@ -66,9 +66,9 @@ pub fn svg(report: &Report<Modes>) -> Result<String> {
 /// What the figure leaves out, and what to distrust.
 fn remarks(report: &Report<Modes>, elastic: usize, shown: usize) -> String {
     let rigid = report.results.modes.len() - elastic;
-    let mut words = vec![format!("{rigid} rigid modes left out.")];
+    let mut words = vec![format!("Rigid modes left out: {rigid}.")];
     if elastic > shown {
-        words.push(format!("{} further modes not shown.", elastic - shown));
+        words.push(format!("Further modes not shown: {}.", elastic - shown));
     }
     if !report.results.sturm_count_agrees {
         words.push("The Sturm count disagrees: modes may be missing.".to_owned());
@@ -230,7 +230,7 @@ fn paint_section(canvas: &mut Canvas, area: Rect, mode: &Mode) {
         }
     }
     let across = moved().map(|u| (u[1] * u[1] + u[2] * u[2]).sqrt()).fold(0.0, f64::max);
-    let sense = if across < 0.5 * largest { ", moves along x" } else { "" };
+    let sense = if across < 0.5 * largest { ", along x" } else { "" };
     let caption = format!("at {} m{sense}", position(shape.section_x_m));
     let caption = style::shorten(&caption, style::SMALL_SIZE, area.width() + 10.0);
     canvas.text((area.right, area.bottom + 11.0), &caption, small, HPos::Right);

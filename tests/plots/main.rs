@@ -193,7 +193,7 @@ fn mode_shapes_show_twelve_and_count_the_others() {
         assert!(shows(&texts, words), "{words} is missing");
     }
     assert!(!shows(&texts, "19: "));
-    assert!(shows(&texts, "6 rigid modes left out. 2 further modes not shown."));
+    assert!(shows(&texts, "Rigid modes left out: 6. Further modes not shown: 2."));
 }
 
 #[test]

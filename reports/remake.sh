@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Makes every baseline in this folder anew from cases/. A changed baseline is committed with its reason.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+cargo build --release
+for case in cases/*.json; do
+    target/release/rotor check "$case" --quiet
+    target/release/rotor modes "$case" --quiet
+    if grep -q '"campbell": {' "$case"; then
+        target/release/rotor campbell "$case" --quiet
+    fi
+done

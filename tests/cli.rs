@@ -1,0 +1,204 @@
+//! The program as its users run it: help, files, repeatability, exit codes, the commands of the README.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn project() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Runs the program in a folder of its own that has the cases.
+fn rotor(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_rotor")).args(arguments).current_dir(folder).output().expect("runs")
+}
+
+fn workplace() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("folder");
+    std::fs::create_dir(folder.path().join("cases")).expect("folder");
+    for entry in std::fs::read_dir(project().join("cases")).expect("cases") {
+        let path = entry.expect("entry").path();
+        std::fs::copy(&path, folder.path().join("cases").join(path.file_name().expect("name")))
+            .expect("copy");
+    }
+    folder
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let mut list: Vec<String> = std::fs::read_dir(folder)
+        .map(|entries| {
+            entries.map(|e| e.expect("entry").file_name().to_string_lossy().into_owned()).collect()
+        })
+        .unwrap_or_default();
+    list.sort();
+    list
+}
+
+fn read(path: PathBuf) -> String {
+    std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[test]
+fn help_names_every_command_with_examples() {
+    let got = rotor(project(), &["--help"]);
+    let help = text(&got.stdout);
+    assert!(got.status.success());
+    for word in ["check", "modes", "campbell", "matrices", "validate", "schema", "Examples:", "Exit codes"] {
+        assert!(help.contains(word), "{word}");
+    }
+    let help = text(&rotor(project(), &["campbell", "--help"]).stdout);
+    for word in ["--out", "--set", "--threads", "--quiet", "--no-plots"] {
+        assert!(help.contains(word), "{word}");
+    }
+}
+
+#[test]
+fn usage_faults_exit_with_2() {
+    for arguments in [
+        &["spin"][..],
+        &["campbell"],
+        &["campbell", "cases/bauchau.json", "--frobnicate"],
+        &["campbell", "cases/bauchau.json", "--threads", "0"],
+        &["campbell", "cases/bauchau.json", "--set", "modes"],
+        &["campbell", "cases/table1-square.json"],
+        &[],
+    ] {
+        let got = rotor(project(), arguments);
+        assert_eq!(got.status.code(), Some(2), "{arguments:?}");
+        assert!(!got.stderr.is_empty(), "{arguments:?}");
+    }
+}
+
+#[test]
+fn campbell_writes_its_report_and_plot() {
+    let folder = workplace();
+    let got = rotor(folder.path(), &["campbell", "cases/bauchau.json"]);
+    assert!(got.status.success(), "{}", text(&got.stderr));
+    let out = folder.path().join("reports/bauchau");
+    assert_eq!(files(&out), ["campbell.cost.json", "campbell.json", "campbell.svg"]);
+    let table = text(&got.stdout);
+    assert!(table.contains("615.178") && table.contains("reports/bauchau/campbell.svg"), "{table}");
+    let report: Value = serde_json::from_str(&read(out.join("campbell.json"))).expect("JSON");
+    assert_eq!(report["results"]["branches"].as_array().expect("list").len(), 12);
+    assert_eq!(report["results"]["speeds_rad_s"].as_array().expect("list").len(), 101);
+    let error = report["results"]["reduction"]["measured_error"].as_f64().expect("number");
+    assert!(error > 0.0 && error < 1e-6);
+    for word in ["modelled", "left_out"] {
+        assert!(!report["model"][word].as_array().expect("list").is_empty());
+    }
+}
+
+/// The same case gives the same bytes, whatever the number of threads.
+#[test]
+fn reports_repeat_byte_by_byte() {
+    let folder = workplace();
+    let run = |case: &str, threads: &str| {
+        let got =
+            rotor(folder.path(), &["campbell", case, "--threads", threads, "--out", threads, "--quiet"]);
+        assert!(got.status.success() && got.stdout.is_empty(), "{}", text(&got.stderr));
+        ["campbell.json", "campbell.svg"].map(|name| read(folder.path().join(threads).join(name)))
+    };
+    for case in ["cases/bauchau.json", "cases/two-disk-stepped.json"] {
+        assert!(run(case, "1") == run(case, "2"));
+    }
+}
+
+#[test]
+fn overrides_and_no_plots() {
+    let folder = workplace();
+    let set = ["--set", "shaft.segments.0.elements=2", "--set", "modes.count=8", "--no-plots", "--out", "o"];
+    let got = rotor(folder.path(), &[&["modes", "cases/table2-circle.json"][..], &set].concat());
+    assert!(got.status.success(), "{}", text(&got.stderr));
+    assert_eq!(files(&folder.path().join("o")), ["modes.cost.json", "modes.json"]);
+    let report: Value = serde_json::from_str(&read(folder.path().join("o/modes.json"))).expect("JSON");
+    assert_eq!(report["model"]["elements"], 2);
+    assert_eq!(report["results"]["modes"].as_array().expect("list").len(), 8);
+}
+
+/// The Matrix Market files hold what the assembly holds: total mass, and zero force for a translation.
+#[test]
+fn matrices_are_written_with_their_rows() {
+    let folder = workplace();
+    let got = rotor(folder.path(), &["matrices", "cases/two-disk-stepped.json", "--out", "m"]);
+    assert!(got.status.success(), "{}", text(&got.stderr));
+    assert_eq!(files(&folder.path().join("m")), ["G.mtx", "K0.mtx", "M.mtx", "N.mtx", "matrices.json"]);
+    let sidecar: Value = serde_json::from_str(&read(folder.path().join("m/matrices.json"))).expect("JSON");
+    let rows = sidecar["rows"].as_array().expect("rows");
+    let mut mass = 0.0;
+    let file = read(folder.path().join("m/M.mtx"));
+    let mut lines = file.lines().filter(|l| !l.starts_with('%'));
+    let sizes: Vec<usize> =
+        lines.next().expect("sizes").split(' ').map(|n| n.parse().expect("number")).collect();
+    assert_eq!((sizes[0], sizes[1]), (rows.len(), rows.len()));
+    let moves = |i: usize| rows[i - 1]["vector"] == "r" && rows[i - 1]["component"] == "x";
+    let mut count = 0;
+    for line in lines {
+        let mut parts = line.split(' ');
+        let mut index = || parts.next().expect("index").parse::<usize>().expect("index");
+        let (i, j) = (index(), index());
+        if moves(i) && moves(j) {
+            mass += parts.next().expect("value").parse::<f64>().expect("value");
+        }
+        count += 1;
+    }
+    assert_eq!(count, sizes[2]);
+    assert!((mass - 99.289879).abs() < 1e-6, "{mass}");
+}
+
+#[test]
+fn validate_fails_when_a_value_is_out() {
+    let folder = workplace();
+    let got = rotor(folder.path(), &["validate", "cases/jeffcott.json"]);
+    assert!(got.status.success() && text(&got.stdout).contains("5 of 5 values within tolerance"));
+    let path = folder.path().join("cases/jeffcott.json");
+    std::fs::write(&path, read(path.clone()).replace("22.24177547", "22.25177547")).expect("write");
+    let got = rotor(folder.path(), &["validate", "cases/jeffcott.json"]);
+    assert_eq!(got.status.code(), Some(1));
+    assert!(text(&got.stdout).contains("OUT"));
+}
+
+#[test]
+fn schema_is_json_and_describes_the_keys() {
+    let got = rotor(project(), &["schema"]);
+    let schema: Value = serde_json::from_slice(&got.stdout).expect("JSON");
+    for key in
+        ["title", "materials", "sections", "shaft", "disks", "supports", "modes", "campbell", "expected"]
+    {
+        assert!(schema["properties"][key].is_object(), "{key}");
+    }
+    assert!(schema.to_string().contains("mm, um, km, in"));
+}
+
+/// A run that fails on the way leaves the earlier report as it was.
+#[test]
+fn a_failed_run_leaves_old_reports() {
+    let folder = workplace();
+    let case = ["modes", "cases/jeffcott.json", "--out", "o", "--quiet"];
+    assert!(rotor(folder.path(), &case).status.success());
+    let before = read(folder.path().join("o/modes.json"));
+    let broken = [&case[..], &["--set", "materials.light.nu=0.7"]].concat();
+    assert_eq!(rotor(folder.path(), &broken).status.code(), Some(2));
+    assert_eq!(read(folder.path().join("o/modes.json")), before);
+    assert!(files(&folder.path().join("o")).iter().all(|f| !f.contains("tmp")));
+}
+
+/// Every `rotor ...` line of the README's console blocks works.
+#[test]
+fn commands_of_the_readme_run() {
+    let folder = workplace();
+    let readme = read(project().join("README.md"));
+    let mut commands = 0;
+    for line in readme.lines().filter_map(|l| l.strip_prefix("$ ")) {
+        let command = line.strip_prefix("cargo run --release -- ").or_else(|| line.strip_prefix("rotor "));
+        let Some(command) = command.filter(|c| *c != "validate") else { continue };
+        let arguments: Vec<&str> = command.split_whitespace().collect();
+        let got = rotor(folder.path(), &arguments);
+        assert!(got.status.success(), "{line}: {}", text(&got.stderr));
+        commands += 1;
+    }
+    assert!(commands >= 5, "only {commands} commands found");
+}
