@@ -1,7 +1,7 @@
 //! Rotordynamics on the higher-order ANCF beam element 34X3.
 //!
 //! Data flows one way; each module uses only what stands before it:
-//! `units, error -> case -> model -> element -> assembly -> analysis -> results -> plot, report -> cli`.
+//! `units, error, vectors -> case -> model -> element -> assembly -> analysis -> results -> plot, report -> cli`.
 //!
 //! ```
 //! use rotor::{analysis::modes::modes, case::LoadedCase, model::Model};
@@ -34,3 +34,4 @@ pub mod section;
 pub mod support;
 pub mod units;
 pub mod validate;
+pub mod vectors;

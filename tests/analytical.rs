@@ -138,6 +138,37 @@ fn conical_whirl_of_a_rigid_body() {
     }
 }
 
+/// A heavy disk on the same body: its gyroscopic terms have the sense of the shaft's, and with Jp = 1.8 Id the
+/// forward conical whirl follows the sum of both.
+#[test]
+fn conical_whirl_with_a_disk() {
+    let (l, r, k) = (0.4_f64, 0.05_f64, 1000.0);
+    let bearing = |at: f64| json!({ "at": at, "kind": "bearing", "stiffness": [[k, 0], [0, k]] });
+    let case = shaft(
+        circle(r),
+        l,
+        2,
+        json!({
+            "disks": [{ "at": l / 2.0, "mass": 20, "polar_inertia": 1.8, "diametral_inertia": 1.0 }],
+            "supports": [bearing(0.0), bearing(l)],
+            "campbell": { "speeds": { "to": 100, "count": 2 }, "modes": 4 }
+        }),
+    );
+    let m = RHO * PI * r * r * l;
+    let (polar, diametral) = (m * r * r / 2.0 + 1.8, m * (r * r / 4.0 + l * l / 12.0) + 1.0);
+    let found = common::campbell(&case);
+    let half = 100.0 * polar / (2.0 * diametral);
+    let root = (half * half + k * l * l / 2.0 / diametral).sqrt();
+    let conical = |whirl: rotor::results::Whirl, w: f64| {
+        let near = found.branches.iter().filter(|b| b.whirl == whirl);
+        let best =
+            near.map(|b| (b.frequency_rad_s[1].expect("a frequency") / w - 1.0).abs()).fold(1.0, f64::min);
+        assert!(best < 1e-4, "{whirl:?} {w}: {best:.1e}");
+    };
+    conical(rotor::results::Whirl::Forward, root + half);
+    conical(rotor::results::Whirl::Backward, root - half);
+}
+
 /// Free tilts of an unsupported spinning body: one whirls forward at Omega Jp/Id, nothing else does.
 #[test]
 fn free_precession_of_an_unsupported_body() {

@@ -6,9 +6,9 @@ use super::{
     SectionHold, Support, SupportKind,
 };
 use crate::case::{self, Case, LoadedCase, nearest};
-use crate::element::basis::{exponents, vector_name};
 use crate::error::Result;
 use crate::section::{Section, Shape};
+use crate::vectors::{exponents, vector_name};
 use std::f64::consts::PI;
 
 /// Most memory a model may need, bytes.
