@@ -321,3 +321,43 @@ fn supports_mean_the_same_at_every_order() {
         close(of_kind(&with(&case, set), ModeKind::Bending)[0], cubic, 1e-3);
     }
 }
+
+/// Every support that holds sections converges with the mesh; a pin on the axis vector and the source's ends, which
+/// hold single vectors, move several times more at the same refinement.
+#[test]
+fn supports_under_refinement() {
+    let first = |supports: &Value, elements: usize| {
+        let more = json!({ "supports": supports, "modes": { "count": 8 } });
+        of_kind(&shaft(circle(0.1), 1.0, elements, more), ModeKind::Bending)[0]
+    };
+    let change = |supports: Value| (first(&supports, 32) / first(&supports, 64) - 1.0).abs();
+    let both = |kind: Value| {
+        let at = |x: f64| {
+            let mut support = kind.clone();
+            support["at"] = json!(x);
+            support
+        };
+        json!([at(0.0), at(1.0)])
+    };
+    let sections: Vec<f64> = [
+        json!({ "kind": "clamped" }),
+        json!({ "kind": "clamped", "section": "rigid" }),
+        json!({ "kind": "revolute", "driven": false }),
+        json!({ "kind": "revolute", "section": "rigid", "driven": false }),
+        json!({ "kind": "cylindrical" }),
+        json!({ "kind": "pinned" }),
+        json!({ "kind": "roller" }),
+    ]
+    .into_iter()
+    .map(|kind| change(both(kind)))
+    .collect();
+    let points: Vec<f64> =
+        [json!({ "kind": "pinned", "acts_on": "axis" }), json!({ "fix": ["r", "y.x", "z.x", "y.y", "z.z"] })]
+            .into_iter()
+            .map(|kind| change(both(kind)))
+            .collect();
+    let worst = sections.iter().copied().fold(0.0, f64::max);
+    assert!(worst < 2e-5, "{sections:?}");
+    assert!(points[0] > 3.0 * sections[5], "pinned on the axis and on the section: {points:?} {sections:?}");
+    assert!(points[1] > 3.0 * worst, "single vectors: {points:?} {sections:?}");
+}
