@@ -2,6 +2,7 @@
 //! Unknown keys are errors. The documentation of each key is also that of the JSON Schema.
 
 use crate::error::{Error, Result};
+use crate::json::Strict;
 use crate::units::{
     Acceleration, Damping, Density, Force, Inertia, Length, Mass, Moment, Rate, Speed, Stiffness, Stress,
     Time,
@@ -534,7 +535,8 @@ impl Case {
     pub fn load(path: &Path, set: &[String]) -> Result<LoadedCase> {
         let file = path.display().to_string();
         let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "read", &e))?;
-        let mut value: Value = serde_json::from_str(&text).map_err(|e| Error::Syntax {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        let Strict(mut value) = serde_json::from_str(text).map_err(|e| Error::Syntax {
             file: file.clone(),
             line: e.line(),
             column: e.column(),
@@ -544,7 +546,10 @@ impl Case {
             let (path, text) = item.split_once('=').ok_or_else(|| {
                 Error::Usage(format!("--set {item}: write PATH=VALUE, e.g. shaft.segments.0.elements=8"))
             })?;
-            let new = serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.to_owned()));
+            let new = match serde_json::from_str(text) {
+                Ok(Strict(new)) => new,
+                Err(_) => Value::String(text.to_owned()),
+            };
             replace(&mut value, path, new)?;
         }
         LoadedCase::from_value(&file, value)
@@ -561,6 +566,11 @@ impl LoadedCase {
             let path = e.path().to_string();
             input_error(file, &value, path.trim_start_matches('.'), &e.into_inner().to_string())
         })?;
+        if let Some((path, allowed)) =
+            other_container(&value, &serde_json::to_value(&case).unwrap_or_default(), "")
+        {
+            return Err(input_error(file, &value, &path, &format!("wrong type; {allowed}")));
+        }
         let sha256 = Sha256::digest(value.to_string()).iter().map(|byte| format!("{byte:02x}")).collect();
         Ok(Self { case, value, file: file.to_owned(), sha256 })
     }
@@ -586,6 +596,26 @@ impl LoadedCase {
             problem: problem.into(),
             allowed: allowed.into(),
         }
+    }
+}
+
+/// Serde also reads an object from a list of its values and a word from `{ "word": null }`; in a case file
+/// either is a mistake. The place of the first one, and what belongs there.
+fn other_container(written: &Value, understood: &Value, path: &str) -> Option<(String, &'static str)> {
+    let child = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+    match (written, understood) {
+        (Value::Object(map), Value::Object(known)) => {
+            map.iter().find_map(|(key, value)| other_container(value, known.get(key)?, &child(key)))
+        }
+        (Value::Array(list), Value::Array(known)) => {
+            let pairs = list.iter().zip(known).enumerate();
+            pairs
+                .into_iter()
+                .find_map(|(i, (value, known))| other_container(value, known, &child(&i.to_string())))
+        }
+        (Value::Array(_), Value::Object(_)) => Some((path.to_owned(), "an object { .. }")),
+        (Value::Object(_), Value::String(_)) => Some((path.to_owned(), "a string")),
+        _ => None,
     }
 }
 

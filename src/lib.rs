@@ -1,7 +1,7 @@
 //! Rotordynamics on the higher-order ANCF beam element 34X3.
 //!
 //! Data flows one way; each module uses only what stands before it:
-//! `units, error, vectors -> case -> model -> element -> assembly -> analysis -> results -> plot, report -> cli`.
+//! `units, error, json, vectors -> case -> model -> element -> assembly -> analysis -> results -> plot, report -> cli`.
 //!
 //! ```
 //! use rotor::{analysis::modes::modes, case::LoadedCase, model::Model};
@@ -24,6 +24,7 @@ pub mod case;
 pub mod cli;
 pub mod element;
 pub mod error;
+pub mod json;
 pub mod linalg;
 pub mod model;
 pub mod plot;

@@ -64,6 +64,23 @@ fn every_fault_names_path_value_and_remedy() {
         ("sections.solid.shape", json!("circel"), "sections.solid.shape", &["did you mean \"circle\""]),
         ("supports.0.kind", json!("hinge"), "supports.0.kind", &["hinge", "clamped", "bearing"]),
         ("campbell.reduction", json!("all"), "campbell.reduction", &["\"all\"", "none"]),
+        (
+            "sections.solid.shape",
+            json!({ "circle": null }),
+            "sections.solid.shape",
+            &["wrong type", "a string"],
+        ),
+        ("shaft", json!(["34X3", []]), "shaft", &["wrong type", "an object"]),
+        ("materials.steel.E", json!(1e300), "materials.steel.E", &["extreme", "1e30"]),
+        ("sections.solid.radius", json!(1e-20), "sections.solid.radius", &["extreme", "1e-15"]),
+        ("disks.0.mass", json!(1e300), "disks.0.mass", &["extreme"]),
+        ("supports.1.stiffness.0.0", json!(1e200), "supports.1.stiffness.0.0", &["extreme"]),
+        (
+            "expected",
+            json!([{ "path": "x", "value": 1, "rtol": 1, "source": "s", "set": { "shaft.segmets.0": 1 } }]),
+            "expected.0.set",
+            &["did you mean \"segments\""],
+        ),
         // units
         ("sections.solid.radius", json!("5 mmm"), "sections.solid.radius", &["did you mean \"mm\""]),
         (
@@ -230,6 +247,10 @@ fn bad_files_on_the_command_line() {
         (write("cut.json", &text[..text.len() / 2]), "not valid JSON"),
         (write("nan.json", &text.replace("0.3,", "NaN,")), "not valid JSON"),
         (write("huge.json", &text.replace("7850", "1e999")), "not valid JSON"),
+        (
+            write("twice.json", &text.replace("\"nu\": 0.3,", "\"nu\": 0.3, \"nu\": 0.4,")),
+            "twice in one object",
+        ),
         (write("bytes.json", "\u{0}\u{1}"), "not valid JSON"),
         (folder.path().join("absent.json"), "cannot read"),
         (folder.path().to_owned(), "cannot read"),

@@ -13,6 +13,8 @@ use std::f64::consts::PI;
 
 /// Most memory a model may need, bytes.
 const MEMORY_LIMIT: f64 = 12e9;
+/// Largest value of any quantity, SI.
+const LARGEST: f64 = 1e30;
 
 impl Model {
     /// Checks a case and builds its mesh.
@@ -64,20 +66,35 @@ impl Input<'_> {
         Err(self.loaded.fault(path, problem, allowed))
     }
 
+    /// Positive, and within the sixty decades that squares and products survive as numbers.
     fn positive(&self, path: &str, value: f64) -> Result<f64> {
-        if value > 0.0 && value.is_finite() {
-            Ok(value)
-        } else {
-            self.fault(path, "must be positive", "a finite value above 0")
+        if !(value > 0.0) {
+            return self.fault(path, "must be positive", "a finite value above 0");
         }
+        self.within(path, value, 1e-30, LARGEST)
     }
 
     fn not_negative(&self, path: &str, value: f64) -> Result<f64> {
-        if value >= 0.0 && value.is_finite() {
-            Ok(value)
-        } else {
-            self.fault(path, "must not be negative", "0 or more")
+        if !(value >= 0.0) {
+            return self.fault(path, "must not be negative", "0 or more");
         }
+        self.within(path, value, 0.0, LARGEST)
+    }
+
+    fn length(&self, path: &str, value: f64) -> Result<f64> {
+        self.positive(path, value)?;
+        self.within(path, value, 1e-15, 1e15)
+    }
+
+    fn within(&self, path: &str, value: f64, least: f64, most: f64) -> Result<f64> {
+        if value >= least && value <= most {
+            return Ok(value);
+        }
+        self.fault(
+            path,
+            "so extreme a value leaves no digits to compute with",
+            format!("{least:e} to {most:e} (SI)"),
+        )
     }
 
     fn materials(&self) -> Result<Named<Material>> {
@@ -145,7 +162,7 @@ impl Input<'_> {
                     value.insert(key, self.not_negative(&path, length.0)?);
                 }
                 Some(length) => {
-                    value.insert(key, self.positive(&path, length.0)?);
+                    value.insert(key, self.length(&path, length.0)?);
                 }
                 None if required.contains(&key) => {
                     return self.fault(&path, format!("a {shape} needs \"{key}\""), takes);
@@ -250,7 +267,7 @@ impl Input<'_> {
                 );
             }
             plans.push(SegmentPlan {
-                length: self.positive(&at("length"), segment.length.0)?,
+                length: self.length(&at("length"), segment.length.0)?,
                 elements: segment.elements,
                 kind,
                 section,
@@ -361,10 +378,10 @@ impl Input<'_> {
                             allowed,
                         );
                     };
-                    let outer = self.positive(&at("radius"), radius.0)?;
+                    let outer = self.length(&at("radius"), radius.0)?;
                     let bore = self.not_negative(&at("inner_radius"), d.inner_radius.map_or(0.0, |r| r.0))?;
                     let (t, rho) =
-                        (self.positive(&at("thickness"), thickness.0)?, self.positive(&at("rho"), rho.0)?);
+                        (self.length(&at("thickness"), thickness.0)?, self.positive(&at("rho"), rho.0)?);
                     if bore >= outer {
                         return self.fault(
                             &at("inner_radius"),
@@ -498,6 +515,11 @@ impl Input<'_> {
         };
         let stiffness = stiffness.map(|row| row.map(|k| k.0));
         let damping = s.damping.map_or([[0.0; 2]; 2], |c| c.map(|row| row.map(|c| c.0)));
+        for (key, law) in [("stiffness", &stiffness), ("damping", &damping)] {
+            for (place, value) in law.iter().flatten().enumerate() {
+                self.within(&format!("{path}.{key}.{}.{}", place / 2, place % 2), value.abs(), 0.0, LARGEST)?;
+            }
+        }
         let off = (stiffness[0][1] + stiffness[1][0]) / 2.0;
         let (a, b) = (stiffness[0][0], stiffness[1][1]);
         if a < 0.0 || b < 0.0 || off * off > a * b * (1.0 + 1e-12) {
@@ -717,6 +739,10 @@ impl Input<'_> {
                     "the expected value is no number",
                     "a number or a list of numbers",
                 );
+            }
+            // overrides must fit the case, or the check would not be of what it says
+            if let Some(Err(error)) = e.set.as_ref().map(|set| self.loaded.with(set)) {
+                return self.fault(&at("set"), "these overrides do not fit the case", error.to_string());
             }
             let tolerances = [("rtol", e.rtol), ("atol", e.atol)];
             for (key, tolerance) in tolerances {
