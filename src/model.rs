@@ -220,6 +220,117 @@ pub struct CampbellSettings {
     pub orders: Vec<f64>,
 }
 
+/// How the nonlinear force and tangent are integrated over an element.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Quadrature {
+    /// Gauss points along the element; `None` for as many as exact integration takes.
+    pub axial: Option<usize>,
+    /// Gauss points of the section rule in each direction; `None` for exact section moments.
+    pub section: Option<usize>,
+}
+
+impl Quadrature {
+    /// No quadrature error.
+    pub const EXACT: Self = Self { axial: None, section: None };
+}
+
+/// What a load at a node does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LoadKind {
+    /// Force `[x, y, z]`, N.
+    Force([f64; 3]),
+    /// Moment about `[x, y, z]`, N m.
+    Moment([f64; 3]),
+}
+
+/// A dead load at a node: it keeps its direction in space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Load {
+    /// Node it acts on.
+    pub node: usize,
+    /// Force or moment.
+    pub kind: LoadKind,
+    /// What it takes hold of.
+    pub acts_on: ActsOn,
+}
+
+/// A dead traction on the upper (y > 0) or lower half of the lateral surface; on a rectangle, on that face.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Traction {
+    /// True for the upper half.
+    pub top: bool,
+    /// Force per undeformed area `[x, y, z]`, Pa.
+    pub traction: [f64; 3],
+}
+
+/// Settings of the static analysis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StaticSettings {
+    /// Load steps; each is cut further where Newton's method does not converge.
+    pub load_steps: usize,
+    /// Most Newton iterations of a step.
+    pub max_iterations: usize,
+    /// Relative energy of the last correction at which a step counts as converged.
+    pub tolerance: f64,
+}
+
+/// End of a phase of the drive: the speed changes from that of the phase before along half a cosine,
+/// `Omega(t) = a + (b - a) (1 - cos(pi (t - t0) / (until - t0))) / 2`. The first phase starts at rest at t = 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Phase {
+    /// End, s.
+    pub until: f64,
+    /// Speed at the end, rad/s.
+    pub speed: f64,
+}
+
+/// Frame in which a transient is integrated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Frame {
+    /// Turning with the drive.
+    Rotating,
+    /// Fixed in space.
+    Inertial,
+}
+
+/// Integrator of a transient.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Integrator {
+    /// Singly diagonally implicit Runge-Kutta of order 4 with an embedded order 3.
+    Esdirk,
+    /// Generalized-alpha of Chung and Hulbert, spectral radius at infinity `rho_infinity` of the settings.
+    GeneralizedAlpha,
+    /// Explicit Adams predictor-corrector of variable order and step.
+    Adams,
+}
+
+/// Settings of the spin-up.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpinupSettings {
+    /// Phases of the drive, ends ascending; the last speed is kept.
+    pub drive: Vec<Phase>,
+    /// End of the simulation, s.
+    pub until: f64,
+    /// Frame of the unknowns.
+    pub frame: Frame,
+    /// Integrator.
+    pub integrator: Integrator,
+    /// Relative tolerance of a step.
+    pub rtol: f64,
+    /// Absolute tolerance of a step, on displacements over the reference length.
+    pub atol: f64,
+    /// Spectral radius at infinite frequency of generalized-alpha, in [0, 1].
+    pub rho_infinity: f64,
+    /// Fixed step, s; `None` for steps chosen by the error estimate.
+    pub step: Option<f64>,
+    /// Most steps before the run is given up.
+    pub max_steps: usize,
+    /// Times of the history, equally spaced from 0 to the end, at least 2.
+    pub output: usize,
+    /// Only the equilibrium at the last speed, no transient.
+    pub steady: bool,
+}
+
 /// A checked case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
@@ -243,12 +354,32 @@ pub struct Model {
     pub supports: Vec<Support>,
     /// Probes.
     pub probes: Vec<Probe>,
-    /// Gravity is given (ignored by linear analyses about the unloaded state).
-    pub has_gravity: bool,
-    /// Loads are given (ignored by linear analyses about the unloaded state).
-    pub has_loads: bool,
+    /// Gravity, m/s^2; zero when none is given (ignored by linear analyses about the unloaded state).
+    pub gravity: [f64; 3],
+    /// Loads at nodes (ignored by linear analyses about the unloaded state).
+    pub loads: Vec<Load>,
+    /// Loads on the lateral surface.
+    pub tractions: Vec<Traction>,
+    /// Integration of nonlinear forces.
+    pub quadrature: Quadrature,
     /// Modes to report.
     pub modes: usize,
     /// Sweep, when the case has one.
     pub campbell: Option<CampbellSettings>,
+    /// Static analysis.
+    pub statics: StaticSettings,
+    /// Spin-up, when the case has one.
+    pub spinup: Option<SpinupSettings>,
+}
+
+impl Model {
+    /// True when gravity acts.
+    pub fn has_gravity(&self) -> bool {
+        self.gravity.iter().any(|g| *g != 0.0)
+    }
+
+    /// True when forces, moments or tractions act.
+    pub fn has_loads(&self) -> bool {
+        !self.loads.is_empty() || !self.tractions.is_empty()
+    }
 }

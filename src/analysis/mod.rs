@@ -56,10 +56,10 @@ fn summary(model: &Model, degrees_of_freedom: usize, mass_kg: f64) -> ModelSumma
     } else {
         modelled.push(format!("{} linear bearings", model.bearings.len()));
     }
-    if model.has_gravity {
+    if model.has_gravity() {
         left_out.push("gravity: a linear analysis about the undeformed state".to_owned());
     }
-    if model.has_loads {
+    if model.has_loads() {
         left_out.push("loads: a linear analysis about the undeformed state".to_owned());
     }
     ModelSummary { degrees_of_freedom, elements: model.elements.len(), mass_kg, modelled, left_out }
@@ -68,10 +68,10 @@ fn summary(model: &Model, degrees_of_freedom: usize, mass_kg: f64) -> ModelSumma
 /// Remarks on input that a linear analysis does not use.
 fn ignored_input(model: &Model) -> Vec<Diagnostic> {
     let mut list = Vec::new();
-    if model.has_gravity {
+    if model.has_gravity() {
         list.push(Diagnostic::info("gravity-ignored", "gravity does not act in this linear analysis"));
     }
-    if model.has_loads {
+    if model.has_loads() {
         list.push(Diagnostic::info("loads-ignored", "loads do not act in this linear analysis"));
     }
     if !model.probes.is_empty() {

@@ -3,7 +3,7 @@
 use super::mesh::{Mesh, SegmentPlan};
 use super::{
     ActsOn, Bearing, CampbellSettings, Disk, ElementKind, Gyroscopic, Hub, Law, Material, Model, Probe,
-    SectionHold, Support, SupportKind,
+    Quadrature, SectionHold, StaticSettings, Support, SupportKind,
 };
 use crate::case::{self, Case, LoadedCase, nearest};
 use crate::error::Result;
@@ -38,8 +38,12 @@ impl Model {
         Ok(Self {
             reference_length: sections.iter().map(Section::outer_size).fold(0.0, f64::max),
             length,
-            has_gravity: loaded.case.gravity.is_some_and(|g| g.iter().any(|c| c.0 != 0.0)),
-            has_loads: !loaded.case.loads.is_empty(),
+            gravity: loaded.case.gravity.map_or([0.0; 3], |g| g.map(|c| c.0)),
+            loads: Vec::new(),
+            tractions: Vec::new(),
+            quadrature: Quadrature::EXACT,
+            statics: StaticSettings { load_steps: 1, max_iterations: 40, tolerance: 1e-20 },
+            spinup: None,
             modes: input.modes()?,
             campbell: input.campbell()?,
             materials,
