@@ -8,6 +8,8 @@
 pub mod basis;
 pub mod continuum;
 pub mod inertia;
+pub mod nonlinear;
+pub mod quadrature;
 pub mod structural;
 
 use crate::model::{ElementKind, Law, Material};
