@@ -90,9 +90,46 @@ impl<'a> Assembly<'a> {
         self.free.len()
     }
 
+    /// Index of the distinct element that an element is a copy of.
+    pub fn element_type(&self, element: usize) -> usize {
+        self.element_type[element]
+    }
+
+    /// Nodes that carry constraints.
+    pub fn constrained_nodes(&self) -> impl Iterator<Item = usize> {
+        self.constraints.iter().map(|(node, _)| *node)
+    }
+
+    /// `T^T f`: forces on all coordinates as forces on the free ones.
+    pub fn project(&self, f: &[f64], on_free: &mut [f64]) {
+        on_free.fill(0.0);
+        for (row, f) in self.expansion.iter().zip(f) {
+            for &(j, c) in row {
+                on_free[j] += c * f;
+            }
+        }
+    }
+
+    /// `T^T A T` for matrices of elements (in the elements' coordinates) and contributions of nodes.
+    pub fn sum(&self, elements: &[Mat<f64>], nodal: Vec<Contribution>) -> Sparse {
+        let coordinates: Vec<_> = self.model.elements.iter().map(|e| self.element_coordinates(e)).collect();
+        let parts: Vec<_> = coordinates.iter().zip(elements).collect();
+        let nodal = nodal.iter().map(|n| (&n.coordinates, &n.matrix));
+        self.accumulate(&parts.into_iter().chain(nodal).collect::<Vec<_>>())
+    }
+
     /// Coordinates before constraints, `q = T z`.
     pub fn expand(&self, z: &[f64]) -> Vec<f64> {
-        self.expansion.iter().map(|row| row.iter().map(|&(j, c)| c * z[j]).sum()).collect()
+        let mut q = vec![0.0; self.numbering.len()];
+        self.expand_into(z, &mut q);
+        q
+    }
+
+    /// [`Self::expand`] into memory that is there.
+    pub fn expand_into(&self, z: &[f64], q: &mut [f64]) {
+        for (q, row) in q.iter_mut().zip(&self.expansion) {
+            *q = row.iter().map(|&(j, c)| c * z[j]).sum();
+        }
     }
 
     /// The free coordinates among all coordinates `q` (the inverse of [`Self::expand`] where q satisfies
@@ -129,6 +166,11 @@ impl<'a> Assembly<'a> {
         self.build(Some(&|_, m| m.stiffness.clone()), nodal)
     }
 
+    /// Stiffness of the bearings, skew part included.
+    pub fn bearing_stiffness(&self) -> Sparse {
+        self.build(None, self.bearings(|b| b.stiffness))
+    }
+
     /// Skew part of the bearings' stiffness (cross-coupling).
     pub fn cross_coupling(&self) -> Sparse {
         let nodal = self.bearings(|b| {
@@ -153,6 +195,13 @@ impl<'a> Assembly<'a> {
         let mut nodal = support::disk_mass(self.model, &self.numbering);
         nodal.iter_mut().for_each(|part| part.matrix = times_cross(&part.matrix));
         self.build(Some(&|_, m| times_cross(&m.mass)), nodal)
+    }
+
+    /// `M J^2`, the centrifugal matrix per unit spin speed squared of the rotating frame: `-M` on y and z.
+    pub fn centrifugal(&self) -> Sparse {
+        let mut nodal = support::disk_mass(self.model, &self.numbering);
+        nodal.iter_mut().for_each(|part| part.matrix = times_cross(&times_cross(&part.matrix)));
+        self.build(Some(&|_, m| times_cross(&times_cross(&m.mass))), nodal)
     }
 
     /// Spin-softening matrix per unit spin speed squared.

@@ -7,6 +7,7 @@ use crate::element::basis::{derivative, evaluate, exponents, lagrange, mean_weig
 use crate::model::{ActsOn, Disk, Hub, Model, SectionHold, SupportKind};
 use crate::section::Section;
 use faer::Mat;
+use nalgebra::{Matrix3, Vector3};
 
 /// Stiffness of a rigid hub, `k = HUB E R^3` (N m), on the strains of r_,y and r_,z.
 const HUB: f64 = 4000.0;
@@ -67,12 +68,13 @@ pub fn section_at(model: &Model, node: usize) -> Option<Section> {
     Some(sections.fold(first, |a, b| a.common(&b).unwrap_or(a)))
 }
 
-fn order_at(model: &Model, node: usize) -> usize {
+/// Highest section order among the elements that meet at a node.
+pub fn order_at(model: &Model, node: usize) -> usize {
     elements_at(model, node).map(|e| e.kind.section_order).max().unwrap_or(1)
 }
 
 /// Weights `w_k` of the mean displacement `sum_k w_k q_k` of the section (or of the axis).
-fn displacement_weights(model: &Model, node: usize, acts_on: ActsOn) -> Vec<f64> {
+pub fn displacement_weights(model: &Model, node: usize, acts_on: ActsOn) -> Vec<f64> {
     let order = order_at(model, node);
     match (acts_on, section_at(model, node)) {
         (ActsOn::Section, Some(section)) => mean_weights(order, &section, model.reference_length),
@@ -148,9 +150,8 @@ fn mean_rotation(model: &Model, node: usize) -> Vec<f64> {
     row
 }
 
-/// Stiffness of rigid hubs (disks, and rigid ends that spin free) on r_,y and r_,z:
-/// energy `k/2 (E_yy^2 + E_zz^2 + 2 E_yz^2)` about the undeformed state.
-pub fn hub_stiffness(model: &Model, numbering: &Numbering) -> Vec<Contribution> {
+/// Nodes with a rigid hub (disks, and rigid ends that spin free) and its stiffness `k = HUB E R^3`, N m.
+pub fn hubs(model: &Model) -> Vec<(usize, f64)> {
     let rigid_disks = model.disks.iter().filter(|d| d.hub == Hub::Rigid).map(|d| d.node);
     let free_ends = model.supports.iter().filter(|s| {
         matches!(
@@ -162,24 +163,50 @@ pub fn hub_stiffness(model: &Model, numbering: &Numbering) -> Vec<Contribution> 
     let mut nodes: Vec<usize> = rigid_disks.chain(free_ends.map(|s| s.node)).collect();
     nodes.sort_unstable();
     nodes.dedup();
+    let modulus = |node: usize| {
+        let moduli = elements_at(model, node).map(|e| model.materials[e.material].youngs_modulus);
+        moduli.fold(0.0, f64::max)
+    };
+    nodes.into_iter().map(|node| (node, HUB * modulus(node) * model.reference_length.powi(3))).collect()
+}
+
+/// Stiffness of rigid hubs on r_,y and r_,z about the undeformed state.
+pub fn hub_stiffness(model: &Model, numbering: &Numbering) -> Vec<Contribution> {
     let r = model.reference_length;
-    nodes
-        .into_iter()
-        .map(|node| {
-            let modulus = elements_at(model, node)
-                .map(|e| model.materials[e.material].youngs_modulus)
-                .fold(0.0, f64::max);
-            let k = HUB * modulus * r.powi(3) / (r * r);
-            let [yy, yz, zy, zz] = [(1, 1), (1, 2), (2, 1), (2, 2)].map(|(v, c)| numbering.index(node, v, c));
-            let rows = [
-                [k, 0.0, 0.0, 0.0],
-                [0.0, k, 0.0, 0.0],
-                [0.0, 0.0, k / 2.0, k / 2.0],
-                [0.0, 0.0, k / 2.0, k / 2.0],
-            ];
-            Contribution { coordinates: vec![yy, zz, yz, zy], matrix: Mat::from_fn(4, 4, |i, j| rows[i][j]) }
-        })
-        .collect()
+    let upright = [Vector3::new(0.0, r, 0.0), Vector3::new(0.0, 0.0, r)];
+    let of = |(node, k)| hub_tangent(model, numbering, node, k, upright);
+    hubs(model).into_iter().map(of).collect()
+}
+
+/// Energy `k/2 (E_yy^2 + E_zz^2 + 2 E_yz^2)` of a rigid hub and its forces on `vectors = [R r_,y, R r_,z]`,
+/// with `E_ab = (r_,a . r_,b - delta_ab) / 2`.
+pub fn hub_force(k: f64, reference_length: f64, vectors: [Vector3<f64>; 2]) -> (f64, [Vector3<f64>; 2]) {
+    let ([a, b], r2) = (vectors, reference_length.powi(2));
+    let (yy, zz, yz) = ((a.dot(&a) / r2 - 1.0) / 2.0, (b.dot(&b) / r2 - 1.0) / 2.0, a.dot(&b) / (2.0 * r2));
+    let energy = k / 2.0 * (yy * yy + zz * zz + 2.0 * yz * yz);
+    (energy, [(a * yy + b * yz) * (k / r2), (b * zz + a * yz) * (k / r2)])
+}
+
+/// Derivative of [`hub_force`] by the vectors.
+pub fn hub_tangent(
+    model: &Model,
+    numbering: &Numbering,
+    node: usize,
+    k: f64,
+    vectors: [Vector3<f64>; 2],
+) -> Contribution {
+    let ([a, b], r2) = (vectors, model.reference_length.powi(2));
+    let (yy, zz, yz) = ((a.dot(&a) / r2 - 1.0) / 2.0, (b.dot(&b) / r2 - 1.0) / 2.0, a.dot(&b) / (2.0 * r2));
+    let one = Matrix3::identity();
+    let (aa, bb) = (a * a.transpose() / r2, b * b.transpose() / r2);
+    let blocks = [
+        [one * yy + aa + bb / 2.0, one * yz + b * a.transpose() / (2.0 * r2)],
+        [one * yz + a * b.transpose() / (2.0 * r2), one * zz + bb + aa / 2.0],
+    ];
+    Contribution {
+        coordinates: (0..6).map(|i| numbering.index(node, 1 + i / 3, i % 3)).collect(),
+        matrix: Mat::from_fn(6, 6, |i, j| k / r2 * blocks[i / 3][j / 3][(i % 3, j % 3)]),
+    }
 }
 
 /// Mass of the disks: `m/2 |r + d_y r_,y + d_z r_,z|^2 + Jp/4 (|r_,y|^2 + |r_,z|^2) + (Id - Jp/2)/2

@@ -5,6 +5,7 @@ pub mod campbell;
 pub mod character;
 pub mod check;
 pub mod critical;
+pub mod equilibrium;
 pub mod matrices;
 pub mod modes;
 pub mod reduced;

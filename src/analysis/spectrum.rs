@@ -49,6 +49,11 @@ impl Flexibility {
         f
     }
 
+    /// Directions of negative stiffness (negative pivots); all of them if a pivot is no number.
+    pub fn unstable_directions(&self) -> usize {
+        self.factor.negative_pivots().unwrap_or(usize::MAX)
+    }
+
     /// Removes the rigid motion from every column.
     pub fn without_rigid(&self, x: &mut Mat<f64>) {
         if self.rigid.ncols() > 0 {

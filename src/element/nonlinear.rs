@@ -222,6 +222,11 @@ impl NonlinearElement {
         }
     }
 
+    /// Kelvin-Voigt factor beta of the material, s.
+    pub fn viscosity(&self) -> f64 {
+        self.viscosity
+    }
+
     /// Number of coordinates.
     pub fn size(&self) -> usize {
         3 * self.n_nodes * self.n_vectors

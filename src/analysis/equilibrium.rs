@@ -1,0 +1,252 @@
+//! States of equilibrium: Newton's method with line search on
+//!
+//! ```text
+//!     g(z) = T^T [ F(q) + B u + Omega^2 M J^2 q - lambda f ] = 0,    q = q0 + T z
+//! ```
+//!
+//! (B bearings, f dead loads) in the frame that turns with the shaft. Convergence is measured by energies, so it
+//! does not depend on units. Motions that nothing resists are pinned. Source: docs/theory.md sections 5, 6.
+
+use super::spectrum::Flexibility;
+use crate::assembly::Assembly;
+use crate::error::Result;
+use crate::forces::{Forces, ScalarMass, Workspace};
+use crate::linalg::sparse::{Sparse, combine, multiply};
+use crate::loads::{dead_loads, weight};
+use faer::Mat;
+
+/// Smallest share of the load by which a step may advance.
+const SMALLEST_STEP: f64 = 1.0 / 1024.0;
+/// Share of the energy below which a correction that no longer shrinks is rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// The forces on a shaft at constant speed under dead loads.
+pub struct Balance<'a> {
+    /// The assembly.
+    pub assembly: &'a Assembly<'a>,
+    /// Nonlinear forces.
+    pub forces: Forces<'a>,
+    /// Mass of all coordinates.
+    pub mass: ScalarMass,
+    /// Undeformed state q0.
+    pub reference: Vec<f64>,
+    /// Dead loads on all coordinates at full load, N.
+    pub load: Vec<f64>,
+    /// Spin speed, rad/s.
+    pub speed: f64,
+    bearings: Sparse,
+    free_mass: Sparse,
+    centrifugal: Sparse,
+    motions: Mat<f64>,
+    /// Names of the motions that nothing resists.
+    pub unresisted: Vec<String>,
+}
+
+/// How Newton's method is run.
+#[derive(Debug, Clone, Copy)]
+pub struct NewtonSettings {
+    /// Load steps.
+    pub load_steps: usize,
+    /// Most iterations of a step.
+    pub max_iterations: usize,
+    /// Relative energy of the last correction.
+    pub tolerance: f64,
+}
+
+/// A state of equilibrium, or the last one found.
+#[derive(Debug, Clone)]
+pub struct Equilibrium {
+    /// Displacements in the free coordinates.
+    pub z: Vec<f64>,
+    /// Share of the load it carries; 1 when the analysis succeeded.
+    pub load_factor: f64,
+    /// Load steps taken.
+    pub steps: usize,
+    /// Steps that were cut.
+    pub cuts: usize,
+    /// Newton iterations in all.
+    pub iterations: usize,
+    /// Relative energy of the last correction.
+    pub residual: f64,
+    /// Directions in which the state is unstable (negative pivots of the tangent).
+    pub unstable: usize,
+}
+
+impl<'a> Balance<'a> {
+    /// Prepares the forces of a model; loads and gravity are included when `loaded`.
+    ///
+    /// # Errors
+    /// An element without nonlinear form.
+    pub fn new(assembly: &'a Assembly<'a>, loaded: bool, speed: f64) -> Result<Self> {
+        let (model, numbering) = (assembly.model, &assembly.numbering);
+        let forces = Forces::new(assembly)?;
+        let mass = ScalarMass::new(model);
+        let mut load = vec![0.0; numbering.len()];
+        if loaded {
+            load = dead_loads(model, numbering);
+            if model.has_gravity() {
+                load.iter_mut().zip(weight(model, numbering, &mass)).for_each(|(f, w)| *f += w);
+            }
+        }
+        let (unresisted, motions) = assembly.rigid_motions();
+        Ok(Self {
+            reference: forces.reference(),
+            bearings: assembly.bearing_stiffness(),
+            free_mass: assembly.mass(),
+            centrifugal: assembly.centrifugal(),
+            assembly,
+            forces,
+            mass,
+            load,
+            speed,
+            motions,
+            unresisted,
+        })
+    }
+
+    /// `q0 + T z`.
+    pub fn coordinates(&self, z: &[f64]) -> Vec<f64> {
+        let mut q = self.assembly.expand(z);
+        q.iter_mut().zip(&self.reference).for_each(|(q, q0)| *q += q0);
+        q
+    }
+
+    /// Forces out of balance on all coordinates without the bearings' (which act on free coordinates), and the
+    /// strain energy.
+    fn imbalance(&self, q: &[f64], load: f64, speed: f64, work: &mut Workspace) -> (Vec<f64>, f64) {
+        let mut g = vec![0.0; q.len()];
+        let energy = self.forces.internal_force(q, None, &mut g, work);
+        if speed != 0.0 {
+            let mut turning = q.to_vec();
+            turning.iter_mut().step_by(3).for_each(|x| *x = 0.0);
+            let mut pull = vec![0.0; q.len()];
+            self.mass.multiply(&turning, &mut pull);
+            g.iter_mut().zip(&pull).for_each(|(g, p)| *g -= speed * speed * p);
+        }
+        g.iter_mut().zip(&self.load).for_each(|(g, f)| *g -= load * f);
+        (g, energy)
+    }
+
+    /// `g(z)` and the strain energy (J).
+    fn residual(&self, z: &[f64], load: f64, speed: f64, work: &mut Workspace) -> (Vec<f64>, f64) {
+        let (all, energy) = self.imbalance(&self.coordinates(z), load, speed, work);
+        let mut g = vec![0.0; z.len()];
+        self.assembly.project(&all, &mut g);
+        let z = Mat::from_fn(z.len(), 1, |i, _| z[i]);
+        let springs = multiply(&self.bearings, z.as_ref());
+        g.iter_mut().enumerate().for_each(|(i, g)| *g += springs[(i, 0)]);
+        (g, energy)
+    }
+
+    /// Forces that the supports exert on all coordinates in equilibrium, N.
+    pub fn reactions(&self, z: &[f64]) -> Vec<f64> {
+        self.imbalance(&self.coordinates(z), 1.0, self.speed, &mut Workspace::default()).0
+    }
+
+    /// Tangent of elements, hubs and bearings at a state, without the centrifugal part.
+    pub fn tangent(&self, z: &[f64]) -> Sparse {
+        let k = self.forces.tangent(&self.coordinates(z), Vec::new());
+        combine(&[(1.0, &k), (1.0, &self.bearings)])
+    }
+
+    /// Solves for equilibrium at the speed and the full load.
+    ///
+    /// Load and centrifugal pull are raised together in steps; a step that does not converge is halved. When
+    /// no step succeeds any more the last state found is returned, with its load factor below 1.
+    ///
+    /// # Errors
+    /// A tangent that can't be factorised, or loads along a motion that nothing resists.
+    pub fn solve(&self, settings: NewtonSettings, start: Option<&[f64]>) -> Result<Equilibrium> {
+        let size = self.assembly.size();
+        let mut state = Equilibrium {
+            z: start.map_or_else(|| vec![0.0; size], <[f64]>::to_vec),
+            load_factor: 0.0,
+            steps: 0,
+            cuts: 0,
+            iterations: 0,
+            residual: 0.0,
+            unstable: 0,
+        };
+        let mut step = 1.0 / settings.load_steps as f64;
+        let mut work = Workspace::default();
+        while state.load_factor < 1.0 {
+            let target = (state.load_factor + step).min(1.0);
+            // the last stretch is not left to rounding
+            let target = if target > 1.0 - 1e-9 { 1.0 } else { target };
+            if let Some(next) = self.step(&state.z, target, settings, &mut work, &mut state.iterations)? {
+                (state.z, state.residual, state.unstable) = next;
+                state.load_factor = target;
+                state.steps += 1;
+                continue;
+            }
+            state.cuts += 1;
+            step /= 2.0;
+            if step < SMALLEST_STEP / settings.load_steps as f64 {
+                break;
+            }
+        }
+        Ok(state)
+    }
+
+    /// One load step: the state, the relative energy of the last correction and the unstable directions.
+    #[allow(clippy::type_complexity)]
+    fn step(
+        &self,
+        start: &[f64],
+        load: f64,
+        settings: NewtonSettings,
+        work: &mut Workspace,
+        iterations: &mut usize,
+    ) -> Result<Option<(Vec<f64>, f64, usize)>> {
+        let speed = self.speed * load.sqrt();
+        let mut z = start.to_vec();
+        let (mut g, mut energy) = self.residual(&z, load, speed, work);
+        let (mut largest, mut previous) = (0.0_f64, f64::INFINITY);
+        for _ in 0..settings.max_iterations {
+            *iterations += 1;
+            let k = combine(&[(1.0, &self.tangent(&z)), (speed * speed, &self.centrifugal)]);
+            let Ok(flexibility) = Flexibility::new(&k, &self.free_mass, self.motions.clone()) else {
+                return Ok(None);
+            };
+            let answer = flexibility.solve(Mat::from_fn(g.len(), 1, |i, _| -g[i]));
+            let change: Vec<f64> = answer.col(0).iter().copied().collect();
+            let slope = dot(&g, &change);
+            if !slope.is_finite() {
+                return Ok(None);
+            }
+            largest = largest.max(slope.abs()).max(energy.abs());
+            let relative = if largest > 0.0 { slope.abs() / largest } else { 0.0 };
+            let stalled = relative > previous / 4.0 && relative < ROUNDING;
+            previous = relative;
+            let done = relative <= settings.tolerance || stalled;
+            // backtracking on the work of the imbalance along the correction
+            let mut share = 1.0;
+            loop {
+                let trial: Vec<f64> = z.iter().zip(&change).map(|(z, d)| z + share * d).collect();
+                let (next, w) = self.residual(&trial, load, speed, work);
+                let work_left = dot(&next, &change);
+                if done || (work_left.is_finite() && work_left.abs() <= 0.9 * slope.abs()) {
+                    (z, g, energy) = (trial, next, w);
+                    break;
+                }
+                share /= 2.0;
+                if share < 1e-3 {
+                    return Ok(None);
+                }
+            }
+            if done {
+                if !z.iter().all(|v| v.is_finite()) {
+                    return Ok(None);
+                }
+                let unstable = flexibility.unstable_directions();
+                return Ok(Some((z, relative, unstable)));
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// `a . b`.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,248 @@
+//! Nonlinear forces of the whole shaft: internal force and tangent of elements and rigid hubs, dead loads,
+//! and products with the constant mass matrix.
+//!
+//! All coordinates before constraints, `q = q0 + T z` with q0 the undeformed state. Elements are evaluated
+//! in parallel when there are many; sums are taken in one order, so results do not depend on threads.
+
+use crate::assembly::Assembly;
+use crate::element::nonlinear::{NonlinearElement, Scratch};
+use crate::error::{Error, Result};
+use crate::linalg::sparse::Sparse;
+use crate::model::{Law, Model};
+use crate::support::{self, Contribution};
+use faer::Mat;
+use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
+
+/// Elements from which it pays to evaluate forces in parallel.
+const PARALLEL_FORCES: usize = 64;
+/// Elements from which it pays to evaluate tangents in parallel.
+const PARALLEL_TANGENTS: usize = 4;
+
+/// Elements and hubs of a shaft, ready to be evaluated.
+pub struct Forces<'a> {
+    assembly: &'a Assembly<'a>,
+    /// Distinct elements.
+    elements: Vec<NonlinearElement>,
+    /// Node and stiffness of rigid hubs.
+    hubs: Vec<(usize, f64)>,
+    /// First coordinate of every node of every element, and coordinates of one node.
+    places: Vec<(Vec<usize>, usize)>,
+}
+
+/// Working memory of [`Forces`].
+#[derive(Debug, Clone, Default)]
+pub struct Workspace {
+    scratch: Scratch,
+    q: Vec<f64>,
+    velocity: Vec<f64>,
+    force: Vec<f64>,
+}
+
+impl<'a> Forces<'a> {
+    /// Prepares the distinct elements of an assembly.
+    ///
+    /// # Errors
+    /// An element whose law has no nonlinear form here.
+    pub fn new(assembly: &'a Assembly<'a>) -> Result<Self> {
+        let model = assembly.model;
+        let mut elements: Vec<NonlinearElement> = Vec::new();
+        let mut places = Vec::new();
+        for (i, e) in model.elements.iter().enumerate() {
+            if e.kind.law == Law::Structural {
+                return Err(Error::Usage("3333s has no nonlinear form in this version".to_owned()));
+            }
+            if assembly.element_type(i) == elements.len() {
+                let (section, material) = (&model.sections[e.section], &model.materials[e.material]);
+                let r = model.reference_length;
+                let q = model.quadrature;
+                elements.push(NonlinearElement::new(e.kind, section, material, e.length, r, q));
+            }
+            let first = (e.first_node..=e.first_node + e.kind.axial_degree)
+                .map(|node| assembly.numbering.index(node, 0, 0))
+                .collect();
+            places.push((first, 3 * e.kind.n_vectors()));
+        }
+        Ok(Self { assembly, elements, hubs: support::hubs(model), places })
+    }
+
+    /// The undeformed state: `r = (x, 0, 0)`, `r_,y = (0, 1, 0)`, `r_,z = (0, 0, 1)`, scaled.
+    pub fn reference(&self) -> Vec<f64> {
+        let (model, numbering) = (self.assembly.model, &self.assembly.numbering);
+        let mut q = vec![0.0; numbering.len()];
+        for (node, at) in model.nodes.iter().enumerate() {
+            q[numbering.index(node, 0, 0)] = at.x;
+            q[numbering.index(node, 1, 1)] = model.reference_length;
+            q[numbering.index(node, 2, 2)] = model.reference_length;
+        }
+        q
+    }
+
+    /// Internal forces on all coordinates (N) into `force`; returns the strain energy (J), hubs included.
+    /// With velocities, Kelvin-Voigt forces are added (and the energy is not computed: zero).
+    pub fn internal_force(
+        &self,
+        q: &[f64],
+        velocity: Option<&[f64]>,
+        force: &mut [f64],
+        work: &mut Workspace,
+    ) -> f64 {
+        force.fill(0.0);
+        let mut energy = 0.0;
+        if self.places.len() < PARALLEL_FORCES {
+            for e in 0..self.places.len() {
+                energy += self.element_force(e, q, velocity, work);
+                self.scatter(e, &work.force, force);
+            }
+        } else {
+            let parts: Vec<(f64, Vec<f64>)> = (0..self.places.len())
+                .into_par_iter()
+                .map_init(Workspace::default, |work, e| {
+                    (self.element_force(e, q, velocity, work), work.force.clone())
+                })
+                .collect();
+            for (e, (part, f)) in parts.iter().enumerate() {
+                energy += part;
+                self.scatter(e, f, force);
+            }
+        }
+        for &(node, k) in &self.hubs {
+            let (part, forces) =
+                support::hub_force(k, self.assembly.model.reference_length, self.slopes(q, node));
+            energy += part;
+            for (vector, f) in forces.iter().enumerate() {
+                let at = self.assembly.numbering.index(node, 1 + vector, 0);
+                force[at..at + 3].iter_mut().zip(f.iter()).for_each(|(t, f)| *t += f);
+            }
+        }
+        energy
+    }
+
+    fn element_force(&self, e: usize, q: &[f64], velocity: Option<&[f64]>, work: &mut Workspace) -> f64 {
+        let element = &self.elements[self.assembly.element_type(e)];
+        self.gather(e, q, &mut work.q);
+        work.force.resize(element.size(), 0.0);
+        if let Some(velocity) = velocity {
+            self.gather(e, velocity, &mut work.velocity);
+        }
+        let velocity = velocity.map(|_| &work.velocity[..]);
+        element.internal_force(&work.q, velocity, &mut work.force, &mut work.scratch)
+    }
+
+    fn gather(&self, e: usize, q: &[f64], local: &mut Vec<f64>) {
+        let (starts, count) = &self.places[e];
+        local.clear();
+        starts.iter().for_each(|&at| local.extend_from_slice(&q[at..at + count]));
+    }
+
+    fn scatter(&self, e: usize, local: &[f64], force: &mut [f64]) {
+        let (starts, count) = &self.places[e];
+        for (&at, part) in starts.iter().zip(local.chunks_exact(*count)) {
+            force[at..at + count].iter_mut().zip(part).for_each(|(t, f)| *t += f);
+        }
+    }
+
+    /// `R r_,y` and `R r_,z` at a node.
+    fn slopes(&self, q: &[f64], node: usize) -> [Vector3<f64>; 2] {
+        [1, 2].map(|vector| {
+            let at = self.assembly.numbering.index(node, vector, 0);
+            Vector3::new(q[at], q[at + 1], q[at + 2])
+        })
+    }
+
+    /// Tangent `dF/dq` of elements and hubs in the free coordinates, with further contributions of nodes.
+    pub fn tangent(&self, q: &[f64], nodal: Vec<Contribution>) -> Sparse {
+        self.element_sum(q, nodal, |element, q, k, scratch| element.tangent(q, k, scratch), true)
+    }
+
+    fn element_sum(
+        &self,
+        q: &[f64],
+        mut nodal: Vec<Contribution>,
+        evaluate: impl Fn(&NonlinearElement, &[f64], &mut [f64], &mut Scratch) + Sync,
+        hubs: bool,
+    ) -> Sparse {
+        let one = |work: &mut Workspace, e: usize| {
+            let element = &self.elements[self.assembly.element_type(e)];
+            self.gather(e, q, &mut work.q);
+            let n = element.size();
+            work.force.resize(n * n, 0.0);
+            evaluate(element, &work.q, &mut work.force[..n * n], &mut work.scratch);
+            Mat::from_fn(n, n, |i, j| work.force[j * n + i])
+        };
+        let matrices: Vec<Mat<f64>> = if self.places.len() < PARALLEL_TANGENTS {
+            let mut work = Workspace::default();
+            (0..self.places.len()).map(|e| one(&mut work, e)).collect()
+        } else {
+            (0..self.places.len()).into_par_iter().map_init(Workspace::default, one).collect()
+        };
+        if hubs {
+            for &(node, k) in &self.hubs {
+                let (model, numbering) = (self.assembly.model, &self.assembly.numbering);
+                nodal.push(support::hub_tangent(model, numbering, node, k, self.slopes(q, node)));
+            }
+        }
+        self.assembly.sum(&matrices, nodal)
+    }
+
+    /// `d (Kelvin-Voigt force) / d velocity` in the free coordinates.
+    pub fn viscous_tangent(&self, q: &[f64]) -> Sparse {
+        let evaluate = |element: &NonlinearElement, q: &[f64], k: &mut [f64], scratch: &mut Scratch| {
+            element.material_tangent(q, k, scratch);
+            k.iter_mut().for_each(|v| *v *= element.viscosity());
+        };
+        self.element_sum(q, Vec::new(), evaluate, false)
+    }
+
+    /// Rotation of the section at a node: orthonormal frame nearest to its r_,y and r_,z (columns are the
+    /// turned axes x, y, z).
+    pub fn section_frame(&self, q: &[f64], node: usize) -> Matrix3<f64> {
+        let [y, z] = self.slopes(q, node);
+        let x = y.cross(&z).normalize();
+        // the bisectors of y and z with respect to each other share what shear there is
+        let (y, z) = (y.normalize(), z.normalize());
+        let (sum, difference) = ((y + z).normalize(), (y - z).normalize());
+        let (y, z) = ((sum + difference).normalize(), (sum - difference).normalize());
+        Matrix3::from_columns(&[x, y, z])
+    }
+}
+
+/// The mass matrix of all coordinates: the same scalar matrix for each of the three components.
+#[derive(Debug, Clone)]
+pub struct ScalarMass {
+    starts: Vec<usize>,
+    rows: Vec<u32>,
+    values: Vec<f64>,
+}
+
+impl ScalarMass {
+    /// Mass of shaft and disks, no constraint.
+    pub fn new(model: &Model) -> Self {
+        let mass = Assembly::unconstrained(model).mass();
+        let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+        for column in (0..mass.ncols()).step_by(3) {
+            for (&row, &value) in mass.row_idx_of_col_raw(column).iter().zip(mass.val_of_col(column)) {
+                rows.push((row / 3) as u32);
+                values.push(value);
+            }
+            starts.push(rows.len());
+        }
+        Self { starts, rows, values }
+    }
+
+    /// `y = M x`.
+    pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
+        // symmetric: each row is a column
+        for (k, y) in y.chunks_exact_mut(3).enumerate() {
+            let mut sum = [0.0; 3];
+            let range = self.starts[k]..self.starts[k + 1];
+            for (&row, &value) in self.rows[range.clone()].iter().zip(&self.values[range]) {
+                let x = &x[3 * row as usize..3 * row as usize + 3];
+                for c in 0..3 {
+                    sum[c] += value * x[c];
+                }
+            }
+            y.copy_from_slice(&sum);
+        }
+    }
+}
