@@ -9,6 +9,8 @@
 
 use crate::dynamics::{Dynamics, NewtonMatrix};
 use crate::error::{Error, Result};
+use nalgebra::{DMatrix, DVector};
+use std::collections::VecDeque;
 use std::ops::ControlFlow;
 
 const GAMMA: f64 = 0.25;
@@ -18,7 +20,7 @@ const A: [[f64; 5]; STAGES] = [
     [0.0; 5],
     [0.25, 0.0, 0.0, 0.0, 0.0],
     [8611.0 / 62500.0, -1743.0 / 31250.0, 0.0, 0.0, 0.0],
-    [5012029.0 / 34652500.0, -2922.0 / 441125.0, 174375.0 / 388108.0, 0.0, 0.0],
+    [5012029.0 / 34652500.0, -654441.0 / 2922500.0, 174375.0 / 388108.0, 0.0, 0.0],
     [
         15267082809.0 / 155376265600.0,
         -71443401.0 / 120774400.0,
@@ -43,10 +45,18 @@ const EMBEDDED: [f64; STAGES] = [
 
 /// Share of the step's tolerance left to the Newton iteration.
 const NEWTON: f64 = 0.03;
+/// Convergence rate that is trusted without a second iteration.
+const FASTEST: f64 = 0.02;
 /// Most iterations of a stage.
 const ITERATIONS: usize = 10;
 /// Convergence rate from which a fresh matrix is worth its price.
 const SLOW: f64 = 0.25;
+/// Iterations of a stage that make a shorter step cheaper.
+const LABORIOUS: usize = 4;
+/// Steps cut in halves before the tangent of the present state is tried.
+const PATIENCE: usize = 4;
+/// Steps that a tangent serves before the undeformed shaft's matrix is tried again.
+const SERVED: usize = 20;
 /// Relative change of the matrix' coefficients it may serve for.
 const STALE: f64 = 0.1;
 /// Steps after which the number still needed is estimated.
@@ -182,10 +192,10 @@ pub fn integrate(
     let mut h = settings.step.unwrap_or(settings.first_step).min(until);
     let (mut failures, mut recent) = (0, (0.0, 0));
     while run.now.t < until {
-        let stop = settings.stops.iter().copied().find(|&s| s > run.now.t).unwrap_or(until);
+        let stop = settings.stops.iter().copied().find(|&s| s > run.now.t + 1e-12 * until).unwrap_or(until);
         // the last two steps before a stop share what is left
         let left = stop - run.now.t;
-        let last = h >= left * (1.0 - 1e-12);
+        let last = h >= left * (1.0 - 1e-9);
         let taken = if last {
             left
         } else if settings.step.is_none() && 2.0 * h > left {
@@ -210,8 +220,12 @@ pub fn integrate(
                     return Ok(progress);
                 }
                 run.advance();
+                let laborious = run.newton.laborious();
+                run.newton.accepted();
                 if settings.step.is_none() {
                     let factor = (0.9 * error.max(1e-10).powf(-run.exponent)).clamp(0.2, 3.0);
+                    // shorter steps are cheaper than many iterations, or than tangents
+                    let factor = factor.min(if laborious { 0.8 } else { 3.0 });
                     // a step that is nearly right keeps its matrix
                     let factor = if (0.9..1.3).contains(&factor) { 1.0 } else { factor };
                     h = if taken < h && factor >= 1.0 { h } else { taken * factor };
@@ -243,13 +257,14 @@ pub fn integrate(
             None => {
                 progress.rejected += 1;
                 failures += 1;
-                if settings.step.is_some() || failures > 12 {
+                if failures > 12 || (settings.step.is_some() && failures > 1) {
                     return Err(failed(
                         format!("Newton's method does not converge at t = {:.6e} s", run.now.t),
                         format!("a step of {taken:.3e} s, with the tangent of the present state"),
                     ));
                 }
-                h = taken / 4.0;
+                run.newton.rejected(failures);
+                h = if settings.step.is_some() { taken } else { taken / 2.0 };
             }
         }
     }
@@ -512,6 +527,10 @@ struct Newton {
     matrix: Option<NewtonMatrix>,
     /// The undeformed shaft's matrix did not serve: use the present tangent.
     present: bool,
+    /// Steps accepted with the present tangent.
+    served: usize,
+    /// Stages and iterations of this step.
+    effort: (usize, usize),
     /// The last stage converged slowly.
     slow: bool,
     rate: f64,
@@ -519,6 +538,7 @@ struct Newton {
     v: Vec<f64>,
     a: Vec<f64>,
     change: Vec<f64>,
+    secants: Secants,
 }
 
 impl Newton {
@@ -527,13 +547,38 @@ impl Newton {
         Self {
             matrix: None,
             present: false,
+            served: 0,
+            effort: (0, 0),
             slow: false,
             rate: 1.0,
             z: zero(),
             v: zero(),
             a: zero(),
             change: zero(),
+            secants: Secants::default(),
         }
+    }
+
+    /// After a step: goes back to the undeformed shaft's matrix when the present tangent has served a while.
+    fn accepted(&mut self) {
+        self.effort = (0, 0);
+        if self.present {
+            self.served += 1;
+            if self.served >= SERVED {
+                (self.present, self.matrix, self.served) = (false, None, 0);
+            }
+        }
+    }
+
+    /// After a step whose iteration failed: shorter steps first, then the tangent of the present state.
+    fn rejected(&mut self, failures: usize) {
+        self.effort = (0, 0);
+        self.present |= failures >= PATIENCE;
+    }
+
+    /// True when the stages of this step took many iterations.
+    fn laborious(&self) -> bool {
+        self.effort.1 > LABORIOUS * self.effort.0
     }
 
     /// Solves a stage from the guess in x; false when no matrix makes the iteration converge.
@@ -559,19 +604,17 @@ impl Newton {
                 let state = self.present.then_some(&self.z[..]);
                 self.matrix = Some(dynamics.newton_matrix(stage.t, stage.coefficients, state)?);
                 (fresh, self.slow, self.rate) = (true, false, 1.0);
+                self.secants.clear();
             }
             if self.iterate(dynamics, stage, x, tolerance) {
                 return Ok(true);
             }
             x.copy_from_slice(&guess);
-            if !fresh {
-                self.slow = true;
-            } else if !self.present {
-                (self.present, self.matrix, fresh) = (true, None, false);
-            } else {
+            if fresh {
                 self.matrix = None;
                 return Ok(false);
             }
+            self.slow = true;
         }
     }
 
@@ -592,7 +635,9 @@ impl Newton {
         tolerance: f64,
     ) -> bool {
         let mut before = f64::INFINITY;
+        self.effort.0 += 1;
         for iteration in 0..ITERATIONS {
+            self.effort.1 += 1;
             self.update(stage, x);
             dynamics.evaluate(stage.t, &self.z, &self.v, &self.a);
             if iteration == 0 {
@@ -600,6 +645,7 @@ impl Newton {
             }
             let Some(matrix) = &self.matrix else { return false };
             dynamics.correct(matrix, &mut self.change);
+            self.secants.improve(&mut self.change, iteration > 0);
             let size =
                 self.change.iter().fold(0.0, |m: f64, d| if d.abs() >= m { d.abs() } else { m + d * 0.0 });
             let size = size / tolerance;
@@ -608,7 +654,7 @@ impl Newton {
             }
             x.iter_mut().zip(&self.change).for_each(|(x, d)| *x += d);
             if iteration > 0 {
-                self.rate = (size / before).max(0.3 * self.rate.min(1.0));
+                self.rate = (size / before).max(0.3 * self.rate).max(FASTEST);
                 self.slow = size / before > SLOW;
                 if size / before > 0.9 {
                     return size < NEWTON * 1e-3;
@@ -622,6 +668,66 @@ impl Newton {
         }
         false
     }
+}
+
+/// Anderson's acceleration (J. ACM 12, 1965; type II): differences of steps s and of corrections d between
+/// iterations tell how the matrix differs from the tangent. They outlive a stage: the next one starts with them.
+#[derive(Default)]
+struct Secants {
+    /// `(s, delta d)`.
+    pairs: VecDeque<(Vec<f64>, Vec<f64>)>,
+    step: Vec<f64>,
+    correction: Vec<f64>,
+}
+
+/// Pairs that are kept.
+const PAIRS: usize = 8;
+
+impl Secants {
+    fn clear(&mut self) {
+        self.pairs.clear();
+    }
+
+    /// Turns the correction d into `d - sum g_j (s_j + delta d_j)` with g the least squares solution of
+    /// `d = sum g_j delta d_j`. `follows`: the last correction belongs to the same stage.
+    fn improve(&mut self, d: &mut [f64], follows: bool) {
+        if follows {
+            let mut pair = if self.pairs.len() == PAIRS { self.pairs.pop_front() } else { None }
+                .unwrap_or_else(|| (vec![0.0; d.len()], vec![0.0; d.len()]));
+            pair.0.copy_from_slice(&self.step);
+            pair.1.iter_mut().zip(d.iter().zip(&self.correction)).for_each(|(p, (d, old))| *p = d - old);
+            self.pairs.push_back(pair);
+        }
+        self.correction.clear();
+        self.correction.extend_from_slice(d);
+        let m = self.pairs.len();
+        if m > 0 {
+            // columns of unit length: pairs differ by many decades
+            let norms: Vec<f64> =
+                self.pairs.iter().map(|(_, y)| dot(y, y).sqrt().max(f64::MIN_POSITIVE)).collect();
+            let gram = DMatrix::from_fn(m, m, |i, j| {
+                dot(&self.pairs[i].1, &self.pairs[j].1) / (norms[i] * norms[j])
+                    + if i == j { DEPENDENT } else { 0.0 }
+            });
+            let right = DVector::from_fn(m, |i, _| dot(&self.pairs[i].1, d) / norms[i]);
+            if let Some(cholesky) = gram.cholesky() {
+                let weights = cholesky.solve(&right);
+                for (j, (s, y)) in self.pairs.iter().enumerate() {
+                    let weight = weights[j] / norms[j];
+                    d.iter_mut().zip(s.iter().zip(y)).for_each(|(d, (s, y))| *d -= weight * (s + y));
+                }
+            }
+        }
+        self.step.clear();
+        self.step.extend_from_slice(d);
+    }
+}
+
+/// Regularisation of nearly dependent pairs.
+const DEPENDENT: f64 = 1e-10;
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]
