@@ -1,7 +1,7 @@
 //! Sparse `L U` factorisation of general matrices, and of those that a reflection makes symmetric.
 
 use super::factor::Ldlt;
-use super::sparse::{Sparse, from_columns};
+use super::sparse::Sparse;
 use crate::error::{Error, Result};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -82,6 +82,7 @@ fn is_symmetric_with(a: &Sparse, signs: &[f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linalg::sparse::from_columns;
 
     /// `M + c J` for two masses coupled in y and z: rows (y1, z1, y2, z2).
     fn spinning(c: f64, defect: f64) -> Sparse {
