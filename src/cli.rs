@@ -15,6 +15,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 const EXAMPLES: &str = "\
@@ -22,6 +24,8 @@ Examples:
   rotor campbell cases/bauchau.json
   rotor campbell cases/bauchau.json --set shaft.segments.0.elements=32 --out study/32
   rotor modes cases/table3-tube.json --set modes.count=12
+  rotor spinup cases/table8-spin-circle.json
+  rotor static cases/table5-cantilever.json --set shaft.segments.0.elements=16
   rotor check cases/jeffcott.json
   rotor validate
 
@@ -43,6 +47,10 @@ enum Command {
     Modes(RunArguments),
     /// Whirl frequencies over spin speed, and critical speeds
     Campbell(RunArguments),
+    /// Equilibrium under loads and gravity, with finite displacements
+    Static(RunArguments),
+    /// Run up to speed: growth, stresses, orbit, torque and energies over time
+    Spinup(RunArguments),
     /// Write M, G, N and K0 as Matrix Market files, with the meaning of their rows
     Matrices(RunArguments),
     /// Run what cases expect and print ours / reference / error
@@ -108,6 +116,8 @@ fn execute(command: &Command) -> Result<ExitCode> {
         Command::Check(arguments) => analyse(arguments, Analysis::Check),
         Command::Modes(arguments) => analyse(arguments, Analysis::Modes),
         Command::Campbell(arguments) => analyse(arguments, Analysis::Campbell),
+        Command::Static(arguments) => analyse(arguments, Analysis::Static),
+        Command::Spinup(arguments) => analyse(arguments, Analysis::Spinup),
         Command::Matrices(arguments) => write_matrices(arguments),
         Command::Validate(arguments) => validate_cases(arguments),
         Command::Schema => {
@@ -143,8 +153,24 @@ fn load(arguments: &RunArguments) -> Result<(LoadedCase, PathBuf)> {
 fn analyse(arguments: &RunArguments, analysis: Analysis) -> Result<ExitCode> {
     let start = Instant::now();
     let (loaded, folder) = load(arguments)?;
-    let bar = progress_bar(run::steps(&loaded, analysis)?, arguments.quiet);
-    let finished = run::run(&loaded, analysis, !arguments.no_plots, &|done| bar.inc(done as u64))?;
+    let bar = progress_bar(analysis, run::steps(&loaded, analysis)?, arguments.quiet);
+    let stop = Arc::new(AtomicBool::new(false));
+    if analysis == Analysis::Spinup {
+        // the first interrupt ends the run with what is done, the second one at once
+        let stop = stop.clone();
+        let on_interrupt = move || {
+            if stop.swap(true, Ordering::Relaxed) {
+                std::process::exit(130);
+            }
+        };
+        ctrlc::set_handler(on_interrupt).map_err(|e| Error::Usage(format!("no interrupt handler: {e}")))?;
+    }
+    let watch = |share: f64, line: &str| {
+        bar.set_position((share * run::TICKS as f64) as u64);
+        bar.set_message(line.to_owned());
+        !stop.load(Ordering::Relaxed)
+    };
+    let finished = run::run(&loaded, analysis, !arguments.no_plots, &|done| bar.inc(done as u64), &watch)?;
     bar.finish_and_clear();
     let mut pending = vec![(format!("{}.json", analysis.name()), json::text(&finished.json))];
     pending.extend(finished.plots);
@@ -166,15 +192,18 @@ fn analyse(arguments: &RunArguments, analysis: Analysis) -> Result<ExitCode> {
     Ok(ExitCode::from(u8::from(failed)))
 }
 
-fn progress_bar(steps: usize, quiet: bool) -> ProgressBar {
+fn progress_bar(analysis: Analysis, steps: usize, quiet: bool) -> ProgressBar {
     if steps == 0 || quiet || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::with_draw_target(Some(steps as u64), ProgressDrawTarget::stderr());
-    if let Ok(style) = ProgressStyle::with_template("{msg} [{bar:40}] {pos}/{len} speeds, {eta} left") {
+    let template = match analysis {
+        Analysis::Spinup => "spinup [{bar:30}] {percent} %, {msg}, {eta} left",
+        _ => "campbell [{bar:40}] {pos}/{len} speeds, {eta} left",
+    };
+    if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style.progress_chars("=> "));
     }
-    bar.set_message("campbell");
     bar
 }
 
@@ -249,7 +278,12 @@ fn comparison_table(comparisons: &[&Comparison]) -> String {
     if comparisons.is_empty() {
         return "  nothing expected\n".to_owned();
     }
-    let number = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.6}"));
+    // small values in powers of ten: a growth of micrometres has digits too
+    let number = |value: Option<f64>| match value {
+        None => "-".to_owned(),
+        Some(v) if v != 0.0 && v.abs() < 0.1 => format!("{v:.6e}"),
+        Some(v) => format!("{v:.6}"),
+    };
     let rows: Vec<Vec<String>> = comparisons
         .iter()
         .map(|c| {

@@ -12,6 +12,9 @@ use serde::Serialize;
 use serde_json::Value;
 use std::path::Path;
 
+/// Steps of the progress of a transient.
+pub const TICKS: usize = 1000;
+
 const ASYMMETRIC_REMEDY: &str = "circle and tube sections, or `rotor modes` at rest";
 
 /// The analyses that write a report.
@@ -23,7 +26,15 @@ pub enum Analysis {
     Modes,
     /// Whirl frequencies over speed and critical speeds.
     Campbell,
+    /// Equilibrium under loads.
+    Static,
+    /// Run up to speed.
+    Spinup,
 }
+
+/// All of them, by rising cost.
+const ANALYSES: [Analysis; 5] =
+    [Analysis::Check, Analysis::Modes, Analysis::Campbell, Analysis::Static, Analysis::Spinup];
 
 impl Analysis {
     /// Name on the command line and of the report.
@@ -32,12 +43,14 @@ impl Analysis {
             Analysis::Check => "check",
             Analysis::Modes => "modes",
             Analysis::Campbell => "campbell",
+            Analysis::Static => "static",
+            Analysis::Spinup => "spinup",
         }
     }
 
     /// The analysis of that name.
     pub fn from_name(name: &str) -> Option<Self> {
-        [Analysis::Check, Analysis::Modes, Analysis::Campbell].into_iter().find(|a| a.name() == name)
+        ANALYSES.into_iter().find(|a| a.name() == name)
     }
 }
 
@@ -54,7 +67,8 @@ pub struct Finished {
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// Runs an analysis. `progress` receives the number of steps done, out of [`steps`].
+/// Runs an analysis. `progress` receives the number of speeds done, out of [`steps`]; `watch` the share of a
+/// transient that is done, and stops it by returning false.
 ///
 /// # Errors
 /// Bad input, or an analysis that does not succeed.
@@ -63,6 +77,7 @@ pub fn run(
     analysis: Analysis,
     plots: bool,
     progress: analysis::campbell::Progress<'_>,
+    watch: analysis::spinup::Watch<'_>,
 ) -> Result<Finished> {
     let model = Model::new(loaded)?;
     match analysis {
@@ -91,6 +106,18 @@ pub fn run(
             };
             finish(&report, svg, table::campbell(&report.results))
         }
+        Analysis::Static => {
+            let outcome = analysis::statics::statics(&model).map_err(|e| refused(loaded, e))?;
+            let report = report(loaded, outcome);
+            finish(&report, Vec::new(), table::statics(&report.results))
+        }
+        Analysis::Spinup => {
+            let settings = model.spinup.as_ref().ok_or_else(|| missing_block(loaded, "spinup"))?;
+            let outcome =
+                analysis::spinup::spinup(&model, settings, watch).map_err(|e| refused(loaded, e))?;
+            let report = report(loaded, outcome);
+            finish(&report, Vec::new(), table::spinup(&report.results))
+        }
     }
 }
 
@@ -102,8 +129,17 @@ pub fn steps(loaded: &LoadedCase, analysis: Analysis) -> Result<usize> {
     let model = Model::new(loaded)?;
     Ok(match analysis {
         Analysis::Campbell => model.campbell.as_ref().map_or(0, |c| c.speeds.len()),
+        Analysis::Spinup => TICKS,
         _ => 0,
     })
+}
+
+/// What a nonlinear analysis refuses about the model is a fault of the case.
+fn refused(loaded: &LoadedCase, error: Error) -> Error {
+    match error {
+        Error::Usage(reason) => loaded.fault("shaft.element", reason, "34X1 .. 34X5 or 3333c"),
+        other => other,
+    }
 }
 
 fn missing_block(loaded: &LoadedCase, name: &str) -> Error {
@@ -112,8 +148,11 @@ fn missing_block(loaded: &LoadedCase, name: &str) -> Error {
         path: name.to_owned(),
         value: "missing".to_owned(),
         problem: format!("the case has no `{name}` block"),
-        allowed: r#"for example "campbell": { "speeds": { "from": 0, "to": "10000 rpm", "count": 101 } }"#
-            .to_owned(),
+        allowed: match name {
+            "spinup" => r#"for example "spinup": { "drive": [ { "until": 1.0, "speed": "15000 rpm" } ] }"#,
+            _ => r#"for example "campbell": { "speeds": { "from": 0, "to": "10000 rpm", "count": 101 } }"#,
+        }
+        .to_owned(),
     }
 }
 

@@ -57,7 +57,7 @@ pub fn validate(loaded: &LoadedCase) -> Result<Vec<Comparison>> {
                     Some(set) => loaded.with(set)?,
                     None => loaded.clone(),
                 };
-                reports.push((analysis, set, run(&changed, analysis, false, &|_| ())?.json));
+                reports.push((analysis, set, run(&changed, analysis, false, &|_| (), &|_, _| true)?.json));
                 reports.len() - 1
             }
         };

@@ -47,7 +47,8 @@ fn reports_are_as_kept() {
             if wanted {
                 let text = std::fs::read_to_string(&file).expect("report");
                 let kept: Value = serde_json::from_str(&text).expect("JSON");
-                let finished = run(&loaded, analysis, true, &|_| ()).unwrap_or_else(|e| panic!("{e}"));
+                let finished =
+                    run(&loaded, analysis, true, &|_| (), &|_, _| true).unwrap_or_else(|e| panic!("{e}"));
                 compare(&format!("{stem}.{}", analysis.name()), &finished.json, &kept);
                 for (name, svg) in finished.plots {
                     assert!(folder.join(&name).exists() && svg.contains("</svg>"), "{stem} {name}");

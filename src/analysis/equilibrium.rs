@@ -147,9 +147,9 @@ impl<'a> Balance<'a> {
         (g, energy)
     }
 
-    /// Forces that the supports exert on all coordinates in equilibrium, N.
-    pub fn reactions(&self, z: &[f64]) -> Vec<f64> {
-        self.imbalance(&self.coordinates(z), 1.0, self.speed, &mut Workspace::default()).0
+    /// Forces that the supports exert on all coordinates in equilibrium under a share of the load, N.
+    pub fn reactions_at(&self, z: &[f64], load: f64) -> Vec<f64> {
+        self.imbalance(&self.coordinates(z), load, self.speed * load.sqrt(), &mut Workspace::default()).0
     }
 
     /// Tangent of elements, hubs and bearings at a state, without the centrifugal part.

@@ -12,6 +12,8 @@ pub mod modes;
 pub mod probes;
 pub mod reduced;
 pub mod spectrum;
+pub mod spinup;
+pub mod statics;
 pub mod tracking;
 
 use crate::model::{Hub, Law, Model};
@@ -66,6 +68,27 @@ fn summary(model: &Model, degrees_of_freedom: usize, mass_kg: f64) -> ModelSumma
         left_out.push("loads: a linear analysis about the undeformed state".to_owned());
     }
     ModelSummary { degrees_of_freedom, elements: model.elements.len(), mass_kg, modelled, left_out }
+}
+
+/// What every nonlinear analysis models and leaves out.
+fn nonlinear_summary(model: &Model, degrees_of_freedom: usize) -> ModelSummary {
+    let mut summary = summary(model, degrees_of_freedom, check::properties(model).mass());
+    summary.modelled[0] = "finite displacements, St. Venant-Kirchhoff material".to_owned();
+    summary.modelled.push(format!("internal forces integrated: {}", quadrature_name(model)));
+    summary.left_out.retain(|text| !text.starts_with("gravity") && !text.starts_with("loads"));
+    summary.left_out.push("contact: none is part of this version".to_owned());
+    summary
+}
+
+/// The integration of nonlinear forces in words.
+fn quadrature_name(model: &Model) -> String {
+    match (model.quadrature.axial, model.quadrature.section) {
+        (None, None) => "exact".to_owned(),
+        (axial, section) => {
+            let points = |n: Option<usize>| n.map_or("exact".to_owned(), |n| format!("{n} Gauss points"));
+            format!("axial {}, section {}", points(axial), points(section))
+        }
+    }
 }
 
 /// Remarks on input that a linear analysis does not use.

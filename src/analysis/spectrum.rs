@@ -29,12 +29,7 @@ impl Flexibility {
         let rigid = mass_orthonormal(mass, motions);
         let mass_rigid = multiply(mass, rigid.as_ref());
         let mut pinned = stiffness.clone();
-        for at in pins(&rigid) {
-            let (starts, rows) = (pinned.symbolic().col_ptr()[at], pinned.symbolic().row_idx_of_col_raw(at));
-            if let Some(offset) = rows.iter().position(|&row| row == at) {
-                pinned.val_mut()[starts + offset] *= 2.0;
-            }
-        }
+        pin(&mut pinned, &rigid);
         Ok(Self { factor: Ldlt::new(&pinned)?, rigid, mass_rigid })
     }
 
@@ -58,6 +53,16 @@ impl Flexibility {
     pub fn without_rigid(&self, x: &mut Mat<f64>) {
         if self.rigid.ncols() > 0 {
             *x -= &self.rigid * (self.mass_rigid.transpose() * &*x);
+        }
+    }
+}
+
+/// Doubles the diagonal of a matrix where pins stop every one of the rigid motions (in columns).
+pub fn pin(matrix: &mut Sparse, rigid: &Mat<f64>) {
+    for at in pins(rigid) {
+        let (starts, rows) = (matrix.symbolic().col_ptr()[at], matrix.symbolic().row_idx_of_col_raw(at));
+        if let Some(offset) = rows.iter().position(|&row| row == at) {
+            matrix.val_mut()[starts + offset] *= 2.0;
         }
     }
 }

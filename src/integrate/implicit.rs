@@ -129,8 +129,8 @@ pub struct Step<'a> {
     pub flows: [Flows; 2],
     /// Torque of the drive at start and end, N m.
     pub torque: [f64; 2],
-    /// Steps so far.
-    pub steps: usize,
+    /// Its power at start and end, W.
+    pub power: [f64; 2],
 }
 
 /// What the integration took.
@@ -143,11 +143,11 @@ pub struct Progress {
 }
 
 impl Step<'_> {
-    /// Displacements and velocities within the step: the quintic that meets both ends.
-    pub fn interpolate(&self, t: f64, z: &mut [f64], v: &mut [f64]) {
+    /// Displacements, velocities and accelerations within the step: the quintic that meets both ends.
+    pub fn interpolate(&self, t: f64, z: &mut [f64], v: &mut [f64], a: &mut [f64]) {
         let (start, end) = (self.start, self.end);
         let h = end.t - start.t;
-        let s = (t - start.t) / h;
+        let s = ((t - start.t) / h).clamp(0.0, 1.0);
         let (s2, s3) = (s * s, s * s * s);
         // Hermite's polynomials of value, slope and curvature at both ends, and their derivatives
         let value = [
@@ -166,11 +166,36 @@ impl Step<'_> {
             s2 * (-12.0 + 28.0 * s - 15.0 * s2),
             s2 * (1.5 - 4.0 * s + 2.5 * s2),
         ];
+        let curvature = [
+            -60.0 * s * (1.0 - 3.0 * s + 2.0 * s2),
+            -s * (36.0 - 96.0 * s + 60.0 * s2),
+            1.0 - s * (9.0 - 18.0 * s + 10.0 * s2),
+            60.0 * s * (1.0 - 3.0 * s + 2.0 * s2),
+            s * (-24.0 + 84.0 * s - 60.0 * s2),
+            s * (3.0 - 12.0 * s + 10.0 * s2),
+        ];
         let scale = [1.0, h, h * h, 1.0, h, h * h];
         for i in 0..z.len() {
             let ends = [start.z[i], start.v[i], start.a[i], end.z[i], end.v[i], end.a[i]];
-            z[i] = (0..6).map(|k| value[k] * scale[k] * ends[k]).sum();
-            v[i] = (0..6).map(|k| slope[k] * scale[k] * ends[k]).sum::<f64>() / h;
+            let blend = |p: &[f64; 6]| (0..6).map(|k| p[k] * scale[k] * ends[k]).sum::<f64>();
+            (z[i], v[i], a[i]) = (blend(&value), blend(&slope) / h, blend(&curvature) / (h * h));
+        }
+    }
+
+    /// Flows up to a time within the step: linear between the ends, the drive's work with its power at both.
+    pub fn flows_at(&self, t: f64) -> Flows {
+        let h = self.end.t - self.start.t;
+        let s = ((t - self.start.t) / h).clamp(0.0, 1.0);
+        let [a, b] = &self.flows;
+        let between = |x: f64, y: f64| x + s * (y - x);
+        // cubic through work and power of the drive
+        let rise = b.drive - a.drive;
+        let (p, q) = (h * self.power[0] - rise, h * self.power[1] - rise);
+        Flows {
+            drive: between(a.drive, b.drive) + s * (1.0 - s) * ((1.0 - s) * p - s * q),
+            internal: between(a.internal, b.internal),
+            external: between(a.external, b.external),
+            bearings: between(a.bearings, b.bearings),
         }
     }
 }
@@ -215,7 +240,7 @@ pub fn integrate(
                 failures = 0;
                 progress.steps += 1;
                 run.next.t = if last { stop } else { run.now.t + taken };
-                let step = run.accept(progress.steps);
+                let step = run.accept(dynamics);
                 if on_step(dynamics, &step, progress)?.is_break() {
                     return Ok(progress);
                 }
@@ -322,8 +347,10 @@ impl Run {
         }
     }
 
-    fn accept(&self, steps: usize) -> Step<'_> {
-        Step { start: &self.now, end: &self.next, flows: self.flows, torque: self.torque, steps }
+    fn accept(&self, dynamics: &Dynamics<'_>) -> Step<'_> {
+        let speeds = [self.now.t, self.next.t].map(|t| dynamics.drive.at(t).speed);
+        let power = [0, 1].map(|i| self.torque[i] * speeds[i]);
+        Step { start: &self.now, end: &self.next, flows: self.flows, torque: self.torque, power }
     }
 
     fn advance(&mut self) {

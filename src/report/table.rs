@@ -1,6 +1,8 @@
 //! Short tables for the terminal.
 
-use crate::results::{Campbell, Check, Diagnostic, Level, ModelSummary, Modes};
+use crate::results::{
+    Campbell, Check, Diagnostic, Level, ModelSummary, Modes, ProbeState, SpinState, Spinup, Static,
+};
 use std::f64::consts::TAU;
 
 /// Columns of text, right-aligned under their heads; the last column is left-aligned.
@@ -135,4 +137,92 @@ pub fn check(results: &Check) -> String {
         results.estimated_memory_mb,
         results.estimated_time_s,
     )
+}
+
+/// Displacements and stress at the probes.
+fn probes(list: &[ProbeState]) -> String {
+    let mut rows = Vec::new();
+    for probe in list {
+        for point in probe.point.iter().chain(&probe.points) {
+            let [x, y, z] = point.displacement_m;
+            let mut row = vec![probe.name.clone(), format!("{:.4}", probe.at_m)];
+            row.extend([point.y_m, point.z_m].map(|v| format!("{v:.4}")));
+            row.extend([x, y, z].map(|v| format!("{v:.6e}")));
+            row.push(format!("{:.4e}", point.stress_pa.von_mises));
+            rows.push(row);
+        }
+    }
+    if rows.is_empty() {
+        return String::new();
+    }
+    columns(&["probe", "x (m)", "y (m)", "z (m)", "u_x (m)", "u_y (m)", "u_z (m)", "von Mises (Pa)"], &rows)
+}
+
+/// Static equilibrium.
+pub fn statics(results: &Static) -> String {
+    let newton = &results.newton;
+    let mut text = format!(
+        "  load factor {:.6}, {} load steps ({} cut), {} Newton iterations, relative energy of the last correction {:.1e}\n\
+        \x20 strain energy {:.6e} J, largest principal strain {:.3e}\n",
+        results.load_factor,
+        newton.load_steps,
+        newton.cuts,
+        newton.iterations,
+        newton.residual,
+        results.strain_energy_j,
+        results.largest_strain
+    );
+    text += &probes(&results.probes);
+    let rows: Vec<Vec<String>> = results
+        .reactions
+        .iter()
+        .map(|r| {
+            let mut row = vec![format!("{:.4}", r.at_m)];
+            row.extend(r.force_n.map(|f| format!("{f:.6e}")));
+            row.push(r.support.clone());
+            row
+        })
+        .collect();
+    if !rows.is_empty() {
+        text += &columns(&["x (m)", "F_x (N)", "F_y (N)", "F_z (N)", "support"], &rows);
+    }
+    text
+}
+
+/// State of the spinning shaft.
+fn spin_state(state: &SpinState) -> String {
+    let [y, z] = state.growth_m;
+    let mut text = format!(
+        "  {:.3} rpm{}: growth of the mid section {y:.6e} m along y, {z:.6e} m along z",
+        state.speed_rpm,
+        state.time_s.map_or(String::new(), |t| format!(" at t = {t:.6} s"))
+    );
+    if let Some(exact) = state.closed_form_growth_m {
+        text += &format!(" (long body with free ends: {exact:.6e} m)");
+    }
+    text + &format!("\n  largest principal strain {:.3e}\n", state.largest_strain) + &probes(&state.probes)
+}
+
+/// Run up to speed.
+pub fn spinup(results: &Spinup) -> String {
+    let mut text = spin_state(&results.last);
+    if let Some(e) = &results.extremes {
+        text += &format!(
+            "  largest radius of the axis at mid-length {:.6e} m at {:.4} s, largest torque {:.4e} N m at {:.4} s\n",
+            e.radius_m, e.radius_time_s, e.torque_n_m, e.torque_time_s
+        );
+    }
+    if let Some(e) = &results.energy {
+        text += &format!(
+            "  work of the drive {:.6e} J, numerical dissipation {:.3e} J ({:.1e} of the energy)\n",
+            e.drive_work_j, e.numerical_dissipation_j, e.relative_error
+        );
+    }
+    if let Some(i) = &results.integrator {
+        text += &format!(
+            "  {}, {} frame: {} steps, {} rejected, {} force evaluations, {} factorizations ({} with tangents)\n",
+            i.name, i.frame, i.steps, i.rejected, i.force_evaluations, i.factorizations, i.tangents
+        );
+    }
+    text
 }

@@ -1,0 +1,467 @@
+//! `rotor spinup`: run up to speed along the drive, and the equilibrium at a speed.
+//!
+//! The transient starts from static equilibrium under gravity and dead loads. Before it runs, the equilibrium of
+//! the balanced rotor at the highest speed is checked: beyond burst there is none.
+
+use super::equilibrium::{Balance, Equilibrium, NewtonSettings};
+use super::growth::{closed_form, polynomial_error};
+use super::probes::{
+    displacement, growth, largest_strain, mid_section, probe_states, profile, section_centre,
+};
+use super::statics::{newton_summary, pinned_remark, strain_remark};
+use super::{Outcome, nonlinear_summary, quadrature_name};
+use crate::assembly::Assembly;
+use crate::drive::Drive;
+use crate::dynamics::{Dynamics, State};
+use crate::error::{Error, Result};
+use crate::integrate::implicit::{self, Flows, Method, Moment, Progress, Settings, Step};
+use crate::linalg::factor::Ldlt;
+use crate::linalg::sparse::combine;
+use crate::model::{Frame, Integrator, Law, Model, SpinupSettings};
+use crate::results::{Diagnostic, EnergyBalance, Extremes, History, IntegratorSummary, SpinState, Spinup};
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+
+/// Newton's method for equilibria.
+const NEWTON: NewtonSettings = NewtonSettings { load_steps: 1, max_iterations: 40, tolerance: 1e-20 };
+/// Halvings that locate the speed of lost equilibrium.
+const BISECTIONS: usize = 20;
+/// First step over the shortest phase.
+const FIRST_STEP: f64 = 1e-3;
+/// Error of the growth of a hollow section that calls for a warning.
+const POOR_GROWTH: f64 = 1e-3;
+
+/// Called with the share of the run that is done and a line on where it is; false stops the run.
+pub type Watch<'a> = &'a (dyn Fn(f64, &str) -> bool + Sync);
+
+/// Runs the shaft up to speed.
+///
+/// # Errors
+/// No equilibrium at the highest speed, an integration that fails, or a model that the frame or the integrator
+/// can't treat.
+pub fn spinup(model: &Model, settings: &SpinupSettings, watch: Watch<'_>) -> Result<Outcome<Spinup>> {
+    let drive = Drive::new(&settings.drive);
+    let mut diagnostics = Vec::new();
+    growth_remarks(model, &mut diagnostics);
+    refuse_beyond_burst(model, drive.largest_speed())?;
+    if settings.steady {
+        return steady(model, drive.last_speed(), diagnostics);
+    }
+    let assembly = Assembly::new(model);
+    let rest = Balance::new(&assembly, true, 0.0)?;
+    pinned_remark(&rest, &mut diagnostics);
+    let start = rest.solve(NEWTON, None)?;
+    if start.load_factor < 1.0 {
+        return Err(Error::analysis(
+            "the shaft finds no static equilibrium under gravity and loads to start from",
+            format!("{:.4} of the load was carried", start.load_factor),
+            "run `rotor static` on the case",
+        ));
+    }
+    let mut dynamics = Dynamics::new(&assembly, drive, settings.frame)?;
+    let n = assembly.size();
+    let mut begin = Moment { t: 0.0, z: start.z, v: vec![0.0; n], a: vec![0.0; n] };
+    let (z, v) = (begin.z.clone(), begin.v.clone());
+    dynamics.acceleration(0.0, &z, &v, &mut begin.a);
+    let mut recorder = Recorder::new(&assembly, settings, &mut dynamics, &begin);
+    let result = run(&mut dynamics, begin, settings, &mut recorder, watch)?;
+    let mut outcome = recorder.finish(model, &mut dynamics, result, diagnostics);
+    outcome.model = summary(model, &assembly, &dynamics);
+    Ok(outcome)
+}
+
+/// What the integration took and whether it came to the end.
+struct RunResult {
+    progress: Progress,
+    complete: bool,
+}
+
+fn run(
+    dynamics: &mut Dynamics<'_>,
+    begin: Moment,
+    settings: &SpinupSettings,
+    recorder: &mut Recorder<'_>,
+    watch: Watch<'_>,
+) -> Result<RunResult> {
+    let until = settings.until;
+    let mut stops: Vec<f64> = dynamics.drive.ends().filter(|t| *t < until * (1.0 - 1e-9)).collect();
+    stops.push(until);
+    let shortest = stops.iter().scan(0.0, |before, t| Some(t - std::mem::replace(before, *t)));
+    let first_step = FIRST_STEP * shortest.fold(until, f64::min);
+    let mut complete = true;
+    let mut on_step = |dynamics: &mut Dynamics<'_>, step: &Step<'_>, progress: Progress| {
+        recorder.record(dynamics, step);
+        let h = step.end.t - step.start.t;
+        let line = format!("t = {:.4} s, step {h:.2e} s, {} steps", step.end.t, progress.steps);
+        if watch(step.end.t / until, &line) {
+            return Ok(ControlFlow::Continue(()));
+        }
+        complete = false;
+        Ok(ControlFlow::Break(()))
+    };
+    let scale = dynamics.assembly.model.reference_length;
+    let method = match settings.integrator {
+        Integrator::GeneralizedAlpha => Method::GeneralizedAlpha { rho_infinity: settings.rho_infinity },
+        _ => Method::Esdirk,
+    };
+    let implicit = Settings {
+        method,
+        rtol: settings.rtol,
+        atol: settings.atol * scale,
+        step: settings.step,
+        first_step,
+        max_steps: settings.max_steps,
+        stops,
+    };
+    let progress = implicit::integrate(dynamics, begin, &implicit, &mut on_step)?;
+    Ok(RunResult { progress, complete })
+}
+
+/// The equilibrium at a speed, loads and gravity left out: they turn as seen from the shaft.
+fn steady(model: &Model, speed: f64, mut diagnostics: Vec<Diagnostic>) -> Result<Outcome<Spinup>> {
+    let assembly = Assembly::new(model);
+    let balance = Balance::new(&assembly, false, speed)?;
+    let state = balance.solve(NEWTON, None)?;
+    if state.load_factor < 1.0 {
+        return Err(no_equilibrium(speed * state.load_factor.sqrt(), speed, &state));
+    }
+    pinned_remark(&balance, &mut diagnostics);
+    let q = balance.coordinates(&state.z);
+    let last = spin_state(&assembly, &q, None, speed);
+    strain_remark(last.largest_strain, &mut diagnostics);
+    let mut summary = nonlinear_summary(model, assembly.size());
+    summary.modelled.push("centrifugal load, co-rotating equilibrium".to_owned());
+    if model.has_gravity() || model.has_loads() {
+        summary
+            .left_out
+            .push("gravity and loads: fixed in space, they turn as seen from the shaft".to_owned());
+        diagnostics.push(Diagnostic::info(
+            "loads-ignored",
+            "gravity and dead loads do not act in the steady state; run the transient",
+        ));
+    }
+    summary.left_out.push("time: the equilibrium at the last speed only".to_owned());
+    let results = Spinup {
+        complete: true,
+        last,
+        extremes: None,
+        history: None,
+        energy: None,
+        integrator: None,
+        newton: Some(newton_summary(&state)),
+    };
+    Ok(Outcome { results, model: summary, diagnostics })
+}
+
+/// Equilibrium of the balanced, unloaded rotor: its offsets bend the shaft, which is not burst.
+fn balanced_equilibrium(model: &Model, speed: f64) -> Result<(Equilibrium, bool)> {
+    let mut balanced = model.clone();
+    balanced.disks.iter_mut().for_each(|d| d.offset = [0.0; 2]);
+    let assembly = Assembly::new(&balanced);
+    let balance = Balance::new(&assembly, false, speed)?;
+    let state = balance.solve(NEWTON, None)?;
+    // burst is a loss of stability within a circumferential harmonic, not at every critical speed
+    let axisymmetric = model.sections.iter().all(crate::section::Section::is_axisymmetric);
+    let stable = !axisymmetric || state.load_factor < 1.0 || {
+        let (k, n) = (balance.tangent(&state.z), assembly.spin_softening());
+        let (names, motions) = assembly.rigid_motions();
+        let mut shifted = combine(&[(1.0, &k), (-speed * speed, &n)]);
+        // motions that nothing resists count as stable
+        super::spectrum::pin(&mut shifted, &motions);
+        let negative = Ldlt::new(&shifted)?.negative_pivots();
+        negative.is_some_and(|count| count <= names.len())
+    };
+    Ok((state, stable))
+}
+
+fn refuse_beyond_burst(model: &Model, speed: f64) -> Result<()> {
+    let holds = |speed: f64| -> Result<(bool, Equilibrium)> {
+        let (state, stable) = balanced_equilibrium(model, speed)?;
+        Ok((stable && state.load_factor == 1.0, state))
+    };
+    if speed == 0.0 {
+        return Ok(());
+    }
+    let (fine, state) = holds(speed)?;
+    if fine {
+        return Ok(());
+    }
+    let (mut low, mut high) = (0.0, speed);
+    for _ in 0..BISECTIONS {
+        let middle = (low + high) / 2.0;
+        if holds(middle)?.0 { low = middle } else { high = middle }
+    }
+    Err(no_equilibrium(low, speed, &state))
+}
+
+fn no_equilibrium(reached: f64, speed: f64, state: &Equilibrium) -> Error {
+    let rpm = |speed: f64| speed * 30.0 / PI;
+    Error::analysis(
+        format!(
+            "the shaft has no stable equilibrium at {speed:.6} rad/s ({:.1} rpm): it is lost at {reached:.6} rad/s ({:.1} rpm)",
+            rpm(speed),
+            rpm(reached)
+        ),
+        format!("{} load steps, {} cuts, {} Newton iterations", state.steps, state.cuts, state.iterations),
+        "a lower speed, a stiffer shaft or supports; beyond this speed it bursts or collapses",
+    )
+}
+
+/// The shaft at one speed from all coordinates in the turning frame.
+fn spin_state(assembly: &Assembly<'_>, q: &[f64], time_s: Option<f64>, speed: f64) -> SpinState {
+    let model = assembly.model;
+    let (x, section, material) = mid_section(model);
+    SpinState {
+        time_s,
+        speed_rad_s: speed,
+        speed_rpm: speed * 30.0 / PI,
+        probes: probe_states(assembly, q),
+        profile: profile(assembly, q),
+        growth_m: growth(assembly, q, x, &section),
+        closed_form_growth_m: closed_form(&section, &model.materials[material], speed, section.outer[0]),
+        largest_strain: largest_strain(assembly, q),
+    }
+}
+
+/// Warns of hollow sections whose growth a polynomial misses, with the error of the same linear problem.
+fn growth_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
+    let mut seen: Vec<(usize, usize)> = Vec::new();
+    for e in &model.elements {
+        let key = (e.section, e.kind.section_order);
+        if seen.contains(&key) || e.kind.law != Law::Continuum {
+            continue;
+        }
+        seen.push(key);
+        let (section, material) = (&model.sections[e.section], &model.materials[e.material]);
+        let error = |order| polynomial_error(section, material, order);
+        let Some(now) = error(e.kind.section_order).filter(|e| e.abs() > POOR_GROWTH) else { continue };
+        let better = error(5).filter(|_| e.kind.section_order < 5);
+        let better = better.map_or(String::new(), |b| format!("; 34X5 would miss it by {:+.2} %", 100.0 * b));
+        diagnostics.push(Diagnostic::warning(
+            "hollow-growth",
+            format!(
+                "34X{} misses the radial growth of the {} {}/{} by {:+.1} % (a polynomial section has no 1/r term){better}",
+                e.kind.section_order,
+                if section.is_hollow() { "tube" } else { "circle" },
+                section.outer[0],
+                section.inner[0],
+                100.0 * now
+            ),
+        ));
+    }
+}
+
+fn summary(model: &Model, assembly: &Assembly<'_>, dynamics: &Dynamics<'_>) -> crate::results::ModelSummary {
+    let mut summary = nonlinear_summary(model, assembly.size());
+    let mut say = |present: bool, what: &str, why: &str| {
+        if present {
+            summary.modelled.push(what.to_owned());
+        } else {
+            summary.left_out.push(format!("{what}: {why}"));
+        }
+    };
+    say(true, "inertia with Coriolis and centrifugal effects, exact", "");
+    say(model.has_gravity(), "gravity", "none given");
+    say(model.has_loads(), "dead loads", "none given");
+    say(model.disks.iter().any(|d| d.offset != [0.0; 2]), "unbalance of disk offsets", "no offsets");
+    say(dynamics.is_viscous(), "material damping (Kelvin-Voigt)", "none given");
+    say(model.materials.iter().any(|m| m.mass_damping != 0.0), "external damping", "none given");
+    let tangents = dynamics.counts.tangents > 0;
+    say(
+        tangents,
+        "tangents of deformed states",
+        "the undeformed shaft's, turned with each section, served the whole run",
+    );
+    summary
+}
+
+/// Collects the history of a run.
+struct Recorder<'a> {
+    assembly: &'a Assembly<'a>,
+    times: Vec<f64>,
+    next: usize,
+    history: History,
+    extremes: Extremes,
+    start: State,
+    largest_energy: f64,
+    last: (f64, Vec<f64>, Flows, State),
+    supports: Vec<(String, usize)>,
+    frame: Frame,
+}
+
+impl<'a> Recorder<'a> {
+    fn new(
+        assembly: &'a Assembly<'a>,
+        settings: &SpinupSettings,
+        dynamics: &mut Dynamics<'_>,
+        begin: &Moment,
+    ) -> Self {
+        let last = settings.output - 1;
+        let times = (0..=last).map(|k| settings.until * k as f64 / last as f64).collect();
+        let start = dynamics.state(0.0, &begin.z, &begin.v);
+        let zero = Extremes { radius_m: 0.0, radius_time_s: 0.0, torque_n_m: 0.0, torque_time_s: 0.0 };
+        let supports = assembly.model.supports.iter().map(|s| (s.path.clone(), s.node)).collect();
+        let mut recorder = Self {
+            assembly,
+            times,
+            next: 0,
+            history: History::default(),
+            extremes: zero,
+            start,
+            largest_energy: 0.0,
+            last: (0.0, begin.z.clone(), Flows::default(), start),
+            supports,
+            frame: settings.frame,
+        };
+        recorder.sample(dynamics, 0.0, &begin.z, &begin.v, &begin.a, Flows::default());
+        recorder.next = 1;
+        recorder
+    }
+
+    fn record(&mut self, dynamics: &mut Dynamics<'_>, step: &Step<'_>) {
+        let n = step.end.z.len();
+        let (mut z, mut v, mut a) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        while self.next < self.times.len() && self.times[self.next] <= step.end.t * (1.0 + 1e-12) {
+            let t = self.times[self.next].min(step.end.t);
+            step.interpolate(t, &mut z, &mut v, &mut a);
+            self.sample(dynamics, t, &z, &v, &a, step.flows_at(t));
+            self.next += 1;
+        }
+        self.extreme(dynamics, step.end.t, &step.end.z);
+        if step.torque[1].abs() > self.extremes.torque_n_m {
+            (self.extremes.torque_n_m, self.extremes.torque_time_s) = (step.torque[1].abs(), step.end.t);
+        }
+        let state = dynamics.state(step.end.t, &step.end.z, &step.end.v);
+        self.largest_energy = self.largest_energy.max(state.kinetic.abs()).max(state.strain.abs());
+        self.last = (step.end.t, step.end.z.clone(), step.flows[1], state);
+    }
+
+    /// Keeps the largest distance of the axis from its place.
+    fn extreme(&mut self, dynamics: &Dynamics<'_>, t: f64, z: &[f64]) -> [f64; 3] {
+        let (x, section, _) = mid_section(self.assembly.model);
+        let q = dynamics.coordinates(t, z);
+        let centre = section_centre(self.assembly, &q, x, &section);
+        let radius = centre[1].hypot(centre[2]);
+        if radius > self.extremes.radius_m {
+            (self.extremes.radius_m, self.extremes.radius_time_s) = (radius, t);
+        }
+        centre
+    }
+
+    fn sample(&mut self, dynamics: &mut Dynamics<'_>, t: f64, z: &[f64], v: &[f64], a: &[f64], flows: Flows) {
+        let model = self.assembly.model;
+        let turn = dynamics.drive.at(t);
+        let (x, section, material) = mid_section(model);
+        let centre = self.extreme(dynamics, t, z);
+        let q = dynamics.coordinates(t, z);
+        let (sin, cos) = turn.angle.sin_cos();
+        dynamics.evaluate(t, z, v, a);
+        let torque = dynamics.powers.torque;
+        let reactions = dynamics.reactions(t);
+        let state = dynamics.state(t, z, v);
+        let h = &mut self.history;
+        h.time_s.push(t);
+        h.speed_rad_s.push(turn.speed);
+        for probe in &model.probes {
+            let [y, z] = probe.points[probe.points.len() - 1];
+            let u = displacement(self.assembly, &q, [probe.x, y, z]);
+            h.probes.entry(probe.name.clone()).or_default().push(u);
+        }
+        let fixed = [centre[0], cos * centre[1] - sin * centre[2], sin * centre[1] + cos * centre[2]];
+        h.mid_span_m.push(fixed);
+        h.growth_m.push(growth(self.assembly, &q, x, &section));
+        let exact = closed_form(&section, &model.materials[material], turn.speed, section.outer[0]);
+        h.closed_form_growth_m.extend(exact);
+        h.drive_torque_n_m.push(torque);
+        h.angular_momentum_kg_m2_s.push(state.angular_momentum);
+        for (path, node) in &self.supports {
+            let force = reactions.iter().find(|(n, _)| n == node).map_or([0.0; 3], |(_, f)| *f);
+            h.reactions_n.entry(path.clone()).or_default().push(force);
+        }
+        let change = energy(&state) - energy(&self.start);
+        let absorbed = absorbed(&flows, &state, &self.start, dynamics.is_viscous());
+        let e = &mut h.energy_j;
+        e.kinetic.push(state.kinetic);
+        e.strain.push(state.strain);
+        e.potential.push(state.potential);
+        e.drive_work.push(flows.drive);
+        e.absorbed.push(absorbed.iter().sum());
+        e.lost.push(flows.drive - change - absorbed.iter().sum::<f64>());
+    }
+
+    fn finish(
+        self,
+        model: &Model,
+        dynamics: &mut Dynamics<'_>,
+        run: RunResult,
+        mut diagnostics: Vec<Diagnostic>,
+    ) -> Outcome<Spinup> {
+        let (t, z, flows, state) = self.last;
+        let q = dynamics.coordinates(t, &z);
+        let last = spin_state(self.assembly, &q, Some(t), dynamics.drive.at(t).speed);
+        strain_remark(last.largest_strain, &mut diagnostics);
+        let change = energy(&state) - energy(&self.start);
+        let [material, external, bearings] = absorbed(&flows, &state, &self.start, dynamics.is_viscous());
+        let lost = flows.drive - change - material - external - bearings;
+        let scale = flows.drive.abs().max(self.largest_energy).max(f64::MIN_POSITIVE);
+        if !run.complete {
+            diagnostics.push(Diagnostic::error(
+                "interrupted",
+                format!("the run was interrupted at t = {t:.6} s; the report ends there"),
+            ));
+        }
+        if (lost / scale).abs() > 1e-3 {
+            diagnostics.push(Diagnostic::warning(
+                "energy-error",
+                format!(
+                    "the integrator lost {:.2e} of the energy: tighten rtol and atol, or take shorter steps",
+                    lost / scale
+                ),
+            ));
+        }
+        let counts = dynamics.counts;
+        let settings = model.spinup.as_ref();
+        let results = Spinup {
+            complete: run.complete,
+            last,
+            extremes: Some(self.extremes),
+            history: Some(self.history),
+            energy: Some(EnergyBalance {
+                drive_work_j: flows.drive,
+                change_j: change,
+                material_damping_j: material,
+                external_damping_j: external,
+                bearings_j: bearings,
+                numerical_dissipation_j: lost,
+                relative_error: lost / scale,
+            }),
+            integrator: Some(IntegratorSummary {
+                name: match settings.map(|s| s.integrator) {
+                    Some(Integrator::GeneralizedAlpha) => "generalized-alpha",
+                    Some(Integrator::Adams) => "adams",
+                    _ => "esdirk4(3)",
+                },
+                frame: if self.frame == Frame::Rotating { "rotating" } else { "inertial" },
+                quadrature: quadrature_name(model),
+                steps: run.progress.steps,
+                rejected: run.progress.rejected,
+                force_evaluations: counts.force_evaluations,
+                factorizations: counts.factorizations,
+                tangents: counts.tangents,
+            }),
+            newton: None,
+        };
+        Outcome { results, model: nonlinear_summary(model, self.assembly.size()), diagnostics }
+    }
+}
+
+fn energy(state: &State) -> f64 {
+    state.kinetic + state.strain + state.potential
+}
+
+/// Absorbed by material damping, external damping and bearings. The internal forces' work is strain energy and
+/// material damping together.
+fn absorbed(flows: &Flows, state: &State, start: &State, viscous: bool) -> [f64; 3] {
+    let material = if viscous { flows.internal - (state.strain - start.strain) } else { 0.0 };
+    [material, flows.external, flows.bearings]
+}

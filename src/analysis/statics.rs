@@ -1,0 +1,169 @@
+//! `rotor static`: equilibrium under dead loads and gravity, with finite displacements.
+
+use super::equilibrium::{Balance, Equilibrium, NewtonSettings, dot};
+use super::probes::{displacement, largest_strain, probe_states, profile};
+use super::{Outcome, nonlinear_summary};
+use crate::assembly::Assembly;
+use crate::error::{Error, Result};
+use crate::forces::Workspace;
+use crate::model::Model;
+use crate::results::{Diagnostic, NewtonSummary, Reaction, Static};
+
+/// Strain beyond which St. Venant-Kirchhoff is no longer the engineer's linear elasticity.
+pub const LARGE_STRAIN: f64 = 0.05;
+/// Relative size of a load along a motion that nothing resists.
+const UNBALANCED: f64 = 1e-9;
+/// Points of the drawn axis.
+const AXIS_POINTS: usize = 201;
+
+/// Solves for static equilibrium. When the full load is not reached, the results hold the last state found
+/// (`converged` false) and the diagnostics say what was tried.
+///
+/// # Errors
+/// A load along a motion that no support resists, or an element without nonlinear form.
+pub fn statics(model: &Model) -> Result<Outcome<Static>> {
+    let assembly = Assembly::new(model);
+    let balance = Balance::new(&assembly, true, 0.0)?;
+    refuse_unbalanced(&balance)?;
+    let settings = NewtonSettings {
+        load_steps: model.statics.load_steps,
+        max_iterations: model.statics.max_iterations,
+        tolerance: model.statics.tolerance,
+    };
+    let state = balance.solve(settings, None)?;
+    let q = balance.coordinates(&state.z);
+    let mut diagnostics = Vec::new();
+    if !model.has_gravity() && !model.has_loads() {
+        diagnostics
+            .push(Diagnostic::warning("no-loads", "the case has no loads and no gravity: nothing moves"));
+    }
+    if model.spinup.is_some() {
+        diagnostics
+            .push(Diagnostic::info("drive-ignored", "the drive of the spinup block does not act here"));
+    }
+    pinned_remark(&balance, &mut diagnostics);
+    let largest = largest_strain(&assembly, &q);
+    strain_remark(largest, &mut diagnostics);
+    let converged = state.load_factor == 1.0;
+    if converged && state.unstable > 0 {
+        diagnostics.push(Diagnostic::warning(
+            "unstable-equilibrium",
+            format!(
+                "the equilibrium is unstable in {} directions: the load is beyond a buckling load",
+                state.unstable
+            ),
+        ));
+    }
+    if !converged {
+        diagnostics.push(not_reached(&state, model.statics.max_iterations));
+    }
+    let mut force = vec![0.0; q.len()];
+    let strain_energy_j = balance.forces.internal_force(&q, None, &mut force, &mut Workspace::default());
+    let axis = (0..AXIS_POINTS)
+        .map(|k| model.length * k as f64 / (AXIS_POINTS - 1) as f64)
+        .map(|x| displacement(&assembly, &q, [x, 0.0, 0.0]))
+        .collect();
+    let mut summary = nonlinear_summary(model, assembly.size());
+    if model.has_gravity() {
+        summary.modelled.push("gravity".to_owned());
+    }
+    if model.has_loads() {
+        summary.modelled.push(format!(
+            "{} point loads and {} surface tractions, dead",
+            model.loads.len(),
+            model.tractions.len()
+        ));
+    }
+    summary.left_out.push("inertia, spin and damping: a static analysis".to_owned());
+    let results = Static {
+        converged,
+        load_factor: state.load_factor,
+        probes: probe_states(&assembly, &q),
+        profile: profile(&assembly, &q),
+        reactions: reactions(&balance, &state),
+        strain_energy_j,
+        largest_strain: largest,
+        newton: newton_summary(&state),
+        axis,
+    };
+    Ok(Outcome { results, model: summary, diagnostics })
+}
+
+/// How Newton's method went, for the report.
+pub fn newton_summary(state: &Equilibrium) -> NewtonSummary {
+    NewtonSummary {
+        load_steps: state.steps,
+        cuts: state.cuts,
+        iterations: state.iterations,
+        residual: state.residual,
+        unstable_directions: state.unstable,
+    }
+}
+
+/// Remark on motions that nothing resists, which are pinned.
+pub fn pinned_remark(balance: &Balance<'_>, diagnostics: &mut Vec<Diagnostic>) {
+    if !balance.unresisted.is_empty() {
+        diagnostics.push(Diagnostic::info(
+            "pinned-motions",
+            format!("no support resists {}; pinned for the equilibrium", balance.unresisted.join(", ")),
+        ));
+    }
+}
+
+/// Warning when strains leave the range the material law is meant for.
+pub fn strain_remark(largest: f64, diagnostics: &mut Vec<Diagnostic>) {
+    if largest > LARGE_STRAIN {
+        diagnostics.push(Diagnostic::warning(
+            "large-strain",
+            format!(
+                "the largest principal strain is {:.1} %: St. Venant-Kirchhoff material is meant for small \
+                 strains, other laws would give other answers (docs/theory.md section 11)",
+                100.0 * largest
+            ),
+        ));
+    }
+}
+
+fn not_reached(state: &Equilibrium, iterations: usize) -> Diagnostic {
+    Diagnostic::error(
+        "not-converged",
+        format!(
+            "no equilibrium was found beyond {:.4} of the load ({} load steps, {} cut in halves, {} Newton iterations, \
+             at most {iterations} a step); this report holds the last state found. A buckling or collapse load lies \
+             there: check the load, or raise static.load_steps",
+            state.load_factor, state.steps, state.cuts, state.iterations
+        ),
+    )
+}
+
+/// A static load along a free motion has no equilibrium.
+fn refuse_unbalanced(balance: &Balance<'_>) -> Result<()> {
+    let mut f = vec![0.0; balance.assembly.size()];
+    balance.assembly.project(&balance.load, &mut f);
+    let (names, motions) = balance.assembly.rigid_motions();
+    for (j, name) in names.iter().enumerate() {
+        let motion: Vec<f64> = motions.col(j).iter().copied().collect();
+        let size: f64 = motion.iter().zip(&f).map(|(m, f)| (m * f).abs()).sum();
+        if dot(&motion, &f).abs() > UNBALANCED * size {
+            return Err(Error::analysis(
+                format!("the loads have a resultant along a motion that no support resists: {name}"),
+                "supports and loads as given",
+                "add a support that holds this motion, or balance the loads",
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn reactions(balance: &Balance<'_>, state: &Equilibrium) -> Vec<Reaction> {
+    let model = balance.assembly.model;
+    let mut scaled = balance.reactions_at(&state.z, state.load_factor);
+    let mut list: Vec<Reaction> = Vec::new();
+    for support in &model.supports {
+        let at = balance.assembly.numbering.index(support.node, 0, 0);
+        // two supports at one node share its reaction: it is listed once
+        let force_n = std::array::from_fn(|c| std::mem::take(&mut scaled[at + c]));
+        list.push(Reaction { support: support.path.clone(), at_m: model.nodes[support.node].x, force_n });
+    }
+    list
+}
