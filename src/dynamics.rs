@@ -15,7 +15,7 @@ use crate::drive::{Drive, Turn};
 use crate::error::Result;
 use crate::forces::{Forces, ScalarMass, Workspace};
 use crate::linalg::factor::Ldlt;
-use crate::linalg::lu::Factor;
+use crate::linalg::lu::{Factor, Family};
 use crate::linalg::sparse::{Sparse, combine};
 use crate::loads::{dead_loads, weight};
 use crate::model::{Frame, Model, SupportKind};
@@ -120,20 +120,47 @@ pub struct Dynamics<'a> {
     load: Vec<f64>,
     nodes: Vec<NodePlace>,
     linear: Linear,
-    reflections: Vec<Vec<f64>>,
     mass_factor: Ldlt<f64>,
     work: Workspace,
     memory: Memory,
 }
 
-/// Matrices of the undeformed shaft in the free coordinates.
+/// Matrices of the undeformed shaft in the free coordinates, and their sums.
 struct Linear {
     mass: Sparse,
-    momentum: Sparse,
-    centrifugal: Sparse,
-    stiffness: Sparse,
-    damping: Option<Sparse>,
+    damped: bool,
+    /// Damping (zero without any), `M J`, `M J^2` and `alpha M J`, the last three for the rotating frame.
+    damping: Sparse,
+    turning: Vec<Sparse>,
     external: Option<Sparse>,
+    family: Family,
+}
+
+impl Linear {
+    fn new(assembly: &Assembly<'_>, rotating: bool) -> Result<Self> {
+        let model = assembly.model;
+        let external = model.materials.iter().any(|m| m.mass_damping != 0.0);
+        let (mass, damping) = (assembly.mass(), assembly.mean_damping());
+        let damped = assembly.has_material_damping() || !model.bearings.is_empty();
+        let turning =
+            if rotating { vec![assembly.angular_momentum(), assembly.centrifugal()] } else { vec![] };
+        let external = (rotating && external).then(|| assembly.external_momentum());
+        let stiffness = assembly.mean_stiffness();
+        let mut all = vec![&mass];
+        all.extend(damped.then_some(&damping));
+        all.extend(turning.iter().chain(&external));
+        all.push(&stiffness);
+        let family = Family::new(&all, &reflections(assembly))?;
+        Ok(Self { mass, damped, damping, turning, external, family })
+    }
+
+    /// All but the stiffness, in the order of the factors.
+    fn matrices(&self) -> Vec<&Sparse> {
+        let mut all = vec![&self.mass];
+        all.extend(self.damped.then_some(&self.damping));
+        all.extend(self.turning.iter().chain(&self.external));
+        all
+    }
 }
 
 /// All coordinates at the last evaluation.
@@ -184,25 +211,13 @@ impl<'a> Dynamics<'a> {
                 }
             })
             .collect();
-        let linear = Linear {
-            mass: assembly.mass(),
-            momentum: assembly.angular_momentum(),
-            centrifugal: assembly.centrifugal(),
-            stiffness: assembly.mean_stiffness(),
-            damping: (assembly.has_material_damping() || !model.bearings.is_empty())
-                .then(|| assembly.mean_damping()),
-            external: model
-                .materials
-                .iter()
-                .any(|m| m.mass_damping != 0.0)
-                .then(|| assembly.external_momentum()),
-        };
-        let external = linear.external.is_some().then(|| ScalarMass::external_damping(model));
+        let linear = Linear::new(assembly, frame == Frame::Rotating)?;
+        let alpha = model.materials.iter().any(|m| m.mass_damping != 0.0);
+        let external = alpha.then(|| ScalarMass::external_damping(model));
         Ok(Self {
             reference: forces.reference(),
             mass_factor: Ldlt::new(&linear.mass)?,
             viscous: model.materials.iter().any(|m| m.stiffness_damping != 0.0),
-            reflections: reflections(assembly),
             assembly,
             drive,
             frame,
@@ -388,36 +403,41 @@ impl<'a> Dynamics<'a> {
         let Turn { speed, acceleration, angle } = self.drive.at(t);
         self.counts.factorizations += 1;
         let l = &self.linear;
-        let current = state.map(|z| {
-            let mut q = self.assembly.expand(z);
-            q.iter_mut().zip(&self.reference).for_each(|(q, q0)| *q += q0);
-            let (sin, cos) = angle.sin_cos();
-            for node in self.nodes.iter().filter(|n| n.turned) {
-                for at in (node.start..node.end).step_by(3) {
-                    turn_pair(&mut q[at..], sin, cos);
+        let turning = self.frame == Frame::Rotating;
+        let spin = if turning { speed } else { 0.0 };
+        let mut factors = vec![c_a];
+        if l.damped {
+            factors.push(c_v);
+        }
+        if turning {
+            factors.extend([2.0 * spin * c_v + acceleration * c_k, spin * spin * c_k]);
+            if l.external.is_some() {
+                factors.push(spin * c_k);
+            }
+        }
+        let factor = match state {
+            None => {
+                factors.push(c_k);
+                l.family.factorise(&factors)?
+            }
+            Some(z) => {
+                let mut q = self.assembly.expand(z);
+                q.iter_mut().zip(&self.reference).for_each(|(q, q0)| *q += q0);
+                let (sin, cos) = angle.sin_cos();
+                for node in self.nodes.iter().filter(|n| n.turned) {
+                    for at in (node.start..node.end).step_by(3) {
+                        turn_pair(&mut q[at..], sin, cos);
+                    }
                 }
+                let (tangent, bearings) =
+                    (self.forces.tangent(&q, Vec::new()), self.assembly.bearing_stiffness());
+                self.counts.tangents += 1;
+                let terms = l.matrices().into_iter().zip(&factors).map(|(a, f)| (*f, a));
+                let terms: Vec<_> = terms.chain([(c_k, &tangent), (c_k, &bearings)]).collect();
+                Factor::general(&combine(&terms))?
             }
-            (self.forces.tangent(&q, Vec::new()), self.assembly.bearing_stiffness())
-        });
-        let mut terms: Vec<(f64, &Sparse)> = vec![(c_a, &l.mass)];
-        match &current {
-            Some((tangent, bearings)) => terms.extend([(c_k, tangent), (c_k, bearings)]),
-            None => terms.push((c_k, &l.stiffness)),
-        }
-        if let Some(damping) = &l.damping {
-            terms.push((c_v, damping));
-        }
-        if self.frame == Frame::Rotating && speed.abs().max(acceleration.abs()) > 0.0 {
-            terms.push((2.0 * speed * c_v + acceleration * c_k, &l.momentum));
-            terms.push((speed * speed * c_k, &l.centrifugal));
-            if let Some(external) = &l.external {
-                terms.push((speed * c_k, external));
-            }
-        }
-        self.counts.tangents += usize::from(current.is_some());
-        let a = combine(&terms);
-        let factor = Factor::new(&a, if current.is_some() { &[] } else { &self.reflections })?;
-        Ok(NewtonMatrix { factor, follows: current.is_none(), made_for: (coefficients, speed) })
+        };
+        Ok(NewtonMatrix { factor, follows: state.is_none(), made_for: (coefficients, speed) })
     }
 
     /// Rotations of the sections at the state of the last evaluation, for the matrices that follow them.

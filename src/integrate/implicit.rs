@@ -10,7 +10,6 @@
 use crate::dynamics::{Dynamics, NewtonMatrix};
 use crate::error::{Error, Result};
 use nalgebra::{DMatrix, DVector};
-use std::collections::VecDeque;
 use std::ops::ControlFlow;
 
 const GAMMA: f64 = 0.25;
@@ -53,6 +52,8 @@ const ITERATIONS: usize = 10;
 const SLOW: f64 = 0.25;
 /// Iterations of a stage that make a shorter step cheaper.
 const LABORIOUS: usize = 4;
+/// Growth of the longest step per step after a failure.
+const RELAX: f64 = 1.01;
 /// Steps cut in halves before the tangent of the present state is tried.
 const PATIENCE: usize = 4;
 /// Steps that a tangent serves before the undeformed shaft's matrix is tried again.
@@ -216,6 +217,8 @@ pub fn integrate(
     let mut progress = Progress::default();
     let mut h = settings.step.unwrap_or(settings.first_step).min(until);
     let (mut failures, mut recent) = (0, (0.0, 0));
+    // steps at which Newton's method fails are not tried again for a while
+    let mut longest = f64::INFINITY;
     while run.now.t < until {
         let stop = settings.stops.iter().copied().find(|&s| s > run.now.t + 1e-12 * until).unwrap_or(until);
         // the last two steps before a stop share what is left
@@ -253,7 +256,8 @@ pub fn integrate(
                     let factor = factor.min(if laborious { 0.8 } else { 3.0 });
                     // a step that is nearly right keeps its matrix
                     let factor = if (0.9..1.3).contains(&factor) { 1.0 } else { factor };
-                    h = if taken < h && factor >= 1.0 { h } else { taken * factor };
+                    longest *= RELAX;
+                    h = (if taken < h && factor >= 1.0 { h } else { taken * factor }).min(longest);
                 }
                 recent = if recent.1 >= SETTLED { (taken, 1) } else { (recent.0 + taken, recent.1 + 1) };
                 if progress.steps >= settings.max_steps
@@ -289,7 +293,10 @@ pub fn integrate(
                     ));
                 }
                 run.newton.rejected(failures);
-                h = if settings.step.is_some() { taken } else { taken / 2.0 };
+                if settings.step.is_none() {
+                    h = taken / 2.0;
+                    longest = 0.7 * taken;
+                }
             }
         }
     }
@@ -701,60 +708,81 @@ impl Newton {
 /// iterations tell how the matrix differs from the tangent. They outlive a stage: the next one starts with them.
 #[derive(Default)]
 struct Secants {
-    /// `(s, delta d)`.
-    pairs: VecDeque<(Vec<f64>, Vec<f64>)>,
+    /// `(s + delta d, delta d)`, the latter of unit length, in a ring.
+    pairs: Vec<(Vec<f64>, Vec<f64>)>,
+    /// Place of the next pair.
+    next: usize,
+    /// Products of the `delta d`.
+    gram: [[f64; PAIRS]; PAIRS],
     step: Vec<f64>,
     correction: Vec<f64>,
 }
 
 /// Pairs that are kept.
-const PAIRS: usize = 8;
+const PAIRS: usize = 6;
+/// Regularisation of nearly dependent pairs.
+const DEPENDENT: f64 = 1e-10;
 
 impl Secants {
     fn clear(&mut self) {
         self.pairs.clear();
+        self.next = 0;
     }
 
     /// Turns the correction d into `d - sum g_j (s_j + delta d_j)` with g the least squares solution of
     /// `d = sum g_j delta d_j`. `follows`: the last correction belongs to the same stage.
     fn improve(&mut self, d: &mut [f64], follows: bool) {
         if follows {
-            let mut pair = if self.pairs.len() == PAIRS { self.pairs.pop_front() } else { None }
-                .unwrap_or_else(|| (vec![0.0; d.len()], vec![0.0; d.len()]));
-            pair.0.copy_from_slice(&self.step);
-            pair.1.iter_mut().zip(d.iter().zip(&self.correction)).for_each(|(p, (d, old))| *p = d - old);
-            self.pairs.push_back(pair);
+            self.learn(d);
         }
         self.correction.clear();
         self.correction.extend_from_slice(d);
         let m = self.pairs.len();
         if m > 0 {
-            // columns of unit length: pairs differ by many decades
-            let norms: Vec<f64> =
-                self.pairs.iter().map(|(_, y)| dot(y, y).sqrt().max(f64::MIN_POSITIVE)).collect();
-            let gram = DMatrix::from_fn(m, m, |i, j| {
-                dot(&self.pairs[i].1, &self.pairs[j].1) / (norms[i] * norms[j])
-                    + if i == j { DEPENDENT } else { 0.0 }
-            });
-            let right = DVector::from_fn(m, |i, _| dot(&self.pairs[i].1, d) / norms[i]);
+            let gram = DMatrix::from_fn(m, m, |i, j| self.gram[i][j] + if i == j { DEPENDENT } else { 0.0 });
+            let right = DVector::from_fn(m, |i, _| dot(&self.pairs[i].1, d));
             if let Some(cholesky) = gram.cholesky() {
                 let weights = cholesky.solve(&right);
-                for (j, (s, y)) in self.pairs.iter().enumerate() {
-                    let weight = weights[j] / norms[j];
-                    d.iter_mut().zip(s.iter().zip(y)).for_each(|(d, (s, y))| *d -= weight * (s + y));
+                for ((s, _), weight) in self.pairs.iter().zip(weights.iter()) {
+                    d.iter_mut().zip(s).for_each(|(d, s)| *d -= weight * s);
                 }
             }
         }
         self.step.clear();
         self.step.extend_from_slice(d);
     }
+
+    fn learn(&mut self, d: &[f64]) {
+        if self.pairs.len() < PAIRS {
+            self.pairs.push((vec![0.0; d.len()], vec![0.0; d.len()]));
+            self.next = self.pairs.len() - 1;
+        }
+        let at = self.next;
+        let (s, y) = &mut self.pairs[at];
+        y.iter_mut().zip(d.iter().zip(&self.correction)).for_each(|(y, (d, old))| *y = d - old);
+        // unit length: pairs differ by many decades
+        let scale = 1.0 / dot(y, y).sqrt().max(f64::MIN_POSITIVE);
+        y.iter_mut().for_each(|y| *y *= scale);
+        s.iter_mut().zip(self.step.iter().zip(&*y)).for_each(|(s, (step, y))| *s = scale * step + y);
+        for j in 0..self.pairs.len() {
+            let product = dot(&self.pairs[at].1, &self.pairs[j].1);
+            (self.gram[at][j], self.gram[j][at]) = (product, product);
+        }
+        self.next = (at + 1) % PAIRS;
+    }
 }
 
-/// Regularisation of nearly dependent pairs.
-const DEPENDENT: f64 = 1e-10;
-
+/// `a . b`, eight sums side by side.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(a, b)| a * b).sum();
+    let mut sums = [0.0; 8];
+    for (a, b) in a8.zip(b8) {
+        for k in 0..8 {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    sums.iter().sum::<f64>() + rest
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Sparse `L U` factorisation of general matrices, and of those that a reflection makes symmetric.
 
-use super::factor::Ldlt;
-use super::sparse::Sparse;
+use super::factor::{Ldlt, Symbolic};
+use super::sparse::{Aligned, Sparse};
 use crate::error::{Error, Result};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -18,20 +18,52 @@ pub enum Factor {
     General(Box<Lu<usize, f64>>),
 }
 
-impl Factor {
-    /// Factorises A. The equations of a shaft that spins are symmetric but for terms in `M J`, which change sign
-    /// when the shaft is reflected in a plane of symmetry: with Q that reflection `Q A Q = A^T`, hence `Q A` is
-    /// symmetric and (quasi-definite) factorises without pivoting, at half the price of `L U`.
-    /// `reflections` are the candidates for Q.
+/// Sums of some matrices, to be factorised again and again.
+///
+/// The equations of a shaft that spins are symmetric but for terms in `M J`, which change sign when the shaft is
+/// reflected in a plane of symmetry: with Q that reflection `Q A Q = A^T`, hence `Q A` is symmetric and
+/// (quasi-definite) factorises without pivoting, at half the price of `L U`.
+pub struct Family {
+    matrices: Aligned,
+    reflection: Option<(Vec<f64>, Symbolic)>,
+}
+
+impl Family {
+    /// Prepares sums of matrices; `reflections` are the candidates for Q.
+    ///
+    /// # Errors
+    /// Lack of memory.
+    pub fn new(matrices: &[&Sparse], reflections: &[Vec<f64>]) -> Result<Self> {
+        let mut aligned = Aligned::new(matrices);
+        for signs in reflections {
+            if matrices.iter().all(|a| is_symmetric_with(a, signs)) {
+                aligned.scale_rows(signs);
+                let symbolic = Symbolic::new(aligned.pattern())?;
+                return Ok(Self { matrices: aligned, reflection: Some((signs.clone(), symbolic)) });
+            }
+        }
+        Ok(Self { matrices: aligned, reflection: None })
+    }
+
+    /// Factorises `sum_k factor_k A_k`.
     ///
     /// # Errors
     /// A singular matrix or lack of memory.
-    pub fn new(a: &Sparse, reflections: &[Vec<f64>]) -> Result<Self> {
-        for signs in reflections {
-            if is_symmetric_with(a, signs) {
-                return Ok(Self::Reflected(Ldlt::new(&with_signs(a, signs))?, signs.clone()));
-            }
+    pub fn factorise(&self, factors: &[f64]) -> Result<Factor> {
+        let a = self.matrices.combine(factors);
+        match &self.reflection {
+            Some((signs, symbolic)) => Ok(Factor::Reflected(Ldlt::with(symbolic, &a)?, signs.clone())),
+            None => Factor::general(&a),
         }
+    }
+}
+
+impl Factor {
+    /// Factorises a general matrix.
+    ///
+    /// # Errors
+    /// A singular matrix or lack of memory.
+    pub fn general(a: &Sparse) -> Result<Self> {
         let lu = a.sp_lu().map_err(|e| {
             Error::analysis(
                 "a system matrix could not be factorised",
@@ -56,26 +88,16 @@ impl Factor {
     }
 }
 
-/// `Q A` for signs Q.
-fn with_signs(a: &Sparse, signs: &[f64]) -> Sparse {
-    let mut result = a.clone();
-    let rows: Vec<usize> = a.symbolic().row_idx().to_vec();
-    result.val_mut().iter_mut().zip(rows).for_each(|(v, row)| *v *= signs[row]);
-    result
-}
-
 /// True when `Q A` is symmetric up to rounding (an entry that rounding left on one side only is rounding).
 fn is_symmetric_with(a: &Sparse, signs: &[f64]) -> bool {
     let entry = |i: usize, j: usize| {
         let place = a.row_idx_of_col_raw(j).binary_search(&i);
         place.map_or(0.0, |at| a.val_of_col(j)[at])
     };
-    let diagonal: Vec<f64> = (0..a.ncols()).map(|j| entry(j, j).abs()).collect();
+    let largest = a.val().iter().fold(0.0, |m: f64, v| m.max(v.abs()));
     (0..a.ncols()).all(|j| {
         let mut entries = a.row_idx_of_col_raw(j).iter().zip(a.val_of_col(j));
-        entries.all(|(&i, v)| {
-            (signs[i] * v - signs[j] * entry(j, i)).abs() <= SYMMETRIC * (diagonal[i] * diagonal[j]).sqrt()
-        })
+        entries.all(|(&i, v)| (signs[i] * v - signs[j] * entry(j, i)).abs() <= SYMMETRIC * largest)
     })
 }
 
@@ -102,7 +124,8 @@ mod tests {
     fn both_factors_solve() {
         let mirror = vec![1.0, -1.0, 1.0, -1.0];
         for (a, reflected) in [(spinning(2.0, 0.0), true), (spinning(2.0, 0.5), false)] {
-            let factor = Factor::new(&a, &[vec![1.0; 4], mirror.clone()]).unwrap();
+            let family = Family::new(&[&a, &a], &[vec![1.0; 4], mirror.clone()]).unwrap();
+            let factor = family.factorise(&[0.25, 0.75]).unwrap();
             assert_eq!(matches!(factor, Factor::Reflected(..)), reflected);
             let x = Mat::from_fn(4, 1, |i, _| 1.0 + i as f64);
             let mut b = crate::linalg::sparse::multiply(&a, x.as_ref());
