@@ -134,6 +134,9 @@ pub struct Step<'a> {
     pub power: [f64; 2],
 }
 
+/// Called after every accepted step; Break ends the run.
+pub type OnStep<'a> = dyn FnMut(&mut Dynamics<'_>, &Step<'_>, Progress) -> Result<ControlFlow<()>> + 'a;
+
 /// What the integration took.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Progress {
@@ -210,7 +213,7 @@ pub fn integrate(
     dynamics: &mut Dynamics<'_>,
     start: Moment,
     settings: &Settings,
-    on_step: &mut dyn FnMut(&mut Dynamics<'_>, &Step<'_>, Progress) -> Result<ControlFlow<()>>,
+    on_step: &mut OnStep<'_>,
 ) -> Result<Progress> {
     let mut run = Run::new(dynamics, start, settings);
     let until = settings.stops.last().copied().unwrap_or(0.0);
