@@ -10,6 +10,7 @@ use rotor::element::nonlinear::{NonlinearElement, Scratch};
 use rotor::model::{ElementKind, Law, Material, Quadrature};
 use rotor::results::Static;
 use rotor::section::Section;
+use rotor::vectors::{exponents, vector_name};
 use serde_json::{Value, json};
 
 const MATERIAL: Material = Material {
@@ -228,6 +229,10 @@ fn homogeneous_stretch_is_exact_on_uneven_meshes() {
     for member in ["34X1", "34X2", "34X3", "34X4", "34X5"] {
         let traction = 2e9;
         let area = std::f64::consts::PI * 0.01;
+        // the section at x = 0 stays plane and may contract
+        let order = member.bytes().last().map_or(0, |c| usize::from(c - b'0'));
+        let mut fix = vec!["r".to_owned(), "y.z".to_owned()];
+        fix.extend(exponents(order).into_iter().skip(1).map(|e| format!("{}.x", vector_name(e))));
         let case = shaft(
             json!({ "shape": "circle", "radius": 0.1 }),
             1.0,
@@ -236,7 +241,7 @@ fn homogeneous_stretch_is_exact_on_uneven_meshes() {
                 "shaft": { "element": member, "segments": [
                     { "length": 0.3, "elements": 1, "section": "s", "material": "m" },
                     { "length": 0.7, "elements": 2, "section": "s", "material": "m" }] },
-                "supports": [{ "at": 0, "fix": ["r", "y.x", "z.x", "y.z"] }],
+                "supports": [{ "at": 0, "fix": fix }],
                 "loads": [{ "at": 1, "force": [traction * area, 0, 0] }],
                 "probes": [{ "name": "end", "at": 1, "y": 0.1 }, { "name": "middle", "at": 0.55, "y": 0.04, "z": 0.03 }]
             }),

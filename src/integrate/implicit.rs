@@ -47,7 +47,9 @@ const NEWTON: f64 = 0.03;
 /// Convergence rate that is trusted without a second iteration.
 const FASTEST: f64 = 0.02;
 /// Most iterations of a stage.
-const ITERATIONS: usize = 10;
+const ITERATIONS: usize = 15;
+/// Corrections over the shaft's length that are rounding.
+const ROUNDING: f64 = 1e-12;
 /// Convergence rate from which a fresh matrix is worth its price.
 const SLOW: f64 = 0.25;
 /// Iterations of a stage that make a shorter step cheaper.
@@ -295,7 +297,7 @@ pub fn integrate(
                         format!("a step of {taken:.3e} s, with the tangent of the present state"),
                     ));
                 }
-                run.newton.rejected(failures);
+                run.newton.rejected(failures, run.fixed);
                 if settings.step.is_none() {
                     h = taken / 2.0;
                     longest = 0.7 * taken;
@@ -608,9 +610,9 @@ impl Newton {
     }
 
     /// After a step whose iteration failed: shorter steps first, then the tangent of the present state.
-    fn rejected(&mut self, failures: usize) {
+    fn rejected(&mut self, failures: usize, fixed: bool) {
         self.effort = (0, 0);
-        self.present |= failures >= PATIENCE;
+        self.present |= fixed || failures >= PATIENCE;
     }
 
     /// True when the stages of this step took many iterations.
@@ -694,7 +696,8 @@ impl Newton {
                 self.rate = (size / before).max(0.3 * self.rate).max(FASTEST);
                 self.slow = size / before > SLOW;
                 if size / before > 0.9 {
-                    return size < NEWTON * 1e-3;
+                    // corrections that no longer shrink are rounding, or no solution
+                    return size * tolerance < ROUNDING * dynamics.assembly.model.length;
                 }
             }
             let rate = self.rate.min(0.9);
