@@ -5,11 +5,17 @@ pub mod campbell;
 pub mod character;
 pub mod check;
 pub mod critical;
+mod crossings;
 pub mod equilibrium;
+mod instability;
 pub mod matrices;
 pub mod modes;
+pub mod operators;
 pub mod reduced;
+pub mod remarks;
 pub mod spectrum;
+pub mod state;
+pub mod stiffening;
 pub mod tracking;
 
 use crate::model::{Hub, Law, Model};

@@ -2,7 +2,7 @@
 
 use super::mesh::{Mesh, SegmentPlan};
 use super::{
-    ActsOn, Bearing, CampbellSettings, Disk, ElementKind, Gyroscopic, Hub, Law, Material, Model, Probe,
+    ActsOn, Bearing, CampbellSettings, Disk, ElementKind, Form, Gyroscopic, WhirlFrame, Hub, Law, Material, Model, Probe,
     Quadrature, SectionHold, StaticSettings, Support, SupportKind,
 };
 use crate::case::{self, Case, LoadedCase, nearest};
@@ -688,20 +688,6 @@ impl Input<'_> {
                 "\"frame\": \"stationary\"",
             );
         }
-        if c.frame == Some(case::Frame::Rotating) {
-            return self.fault(
-                "campbell.frame",
-                "the rotating frame needs the tangent at the spinning state, which this version does not compute",
-                "\"stationary\"",
-            );
-        }
-        if c.form == Some(case::Form::Consistent) {
-            return self.fault(
-                "campbell.form",
-                "the consistent form needs the tangent at the spinning state, which this version does not compute",
-                "\"classical\"",
-            );
-        }
         let reduction = match c.reduction {
             case::ReductionSize::None => None,
             case::ReductionSize::Basis(n) if n as usize >= modes + 8 && n <= 5000 => Some(n as usize),
@@ -720,6 +706,14 @@ impl Input<'_> {
         Ok(Some(CampbellSettings {
             speeds: (0..count).map(|k| from + (to - from) * step(k)).collect(),
             modes,
+            frame: match c.frame {
+                Some(case::Frame::Rotating) => WhirlFrame::Rotating,
+                _ => WhirlFrame::Stationary,
+            },
+            form: match c.form {
+                Some(case::Form::Consistent) => Form::Consistent,
+                _ => Form::Classical,
+            },
             reduction,
             gyroscopic: match c.gyroscopic {
                 case::Gyroscopic::All => Gyroscopic::All,
