@@ -233,8 +233,9 @@ impl<'a> Assembly<'a> {
     /// What spin adds to the damping forces in the rotating frame, per unit spin speed, on displacements:
     /// `alpha M J + C_b J`, external and bearing damping being felt by inertial velocities.
     pub fn rotating_damping(&self) -> Sparse {
-        let material =
-            |material: &Material, m: &ElementMatrices| times_cross(&m.mass) * faer::Scale(material.mass_damping);
+        let material = |material: &Material, m: &ElementMatrices| {
+            times_cross(&m.mass) * faer::Scale(material.mass_damping)
+        };
         let external = self.model.materials.iter().any(|m| m.mass_damping != 0.0);
         let bearings = self.bearings(|b| b.damping.map(|[y, z]| [z, -y]));
         self.build(external.then_some(&material), bearings)
@@ -384,9 +385,9 @@ impl<'a> Assembly<'a> {
             .iter()
             .map(|c| {
                 let (x, y, z) = (c[3] / l, c[4] / l, c[5] / l);
-                let turned = q.chunks_exact(3).flat_map(|u| {
-                    [y * u[2] - z * u[1], z * u[0] - x * u[2], x * u[1] - y * u[0]]
-                });
+                let turned = q
+                    .chunks_exact(3)
+                    .flat_map(|u| [y * u[2] - z * u[1], z * u[0] - x * u[2], x * u[1] - y * u[0]]);
                 self.restrict(&turned.collect::<Vec<_>>())
             })
             .collect();

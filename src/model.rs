@@ -397,7 +397,8 @@ pub struct Model {
 impl Model {
     /// True when sections and disks look the same at every angle.
     pub fn is_axisymmetric(&self) -> bool {
-        self.sections.iter().all(Section::is_axisymmetric) && self.disks.iter().all(|d| d.offset == [0.0, 0.0])
+        self.sections.iter().all(Section::is_axisymmetric)
+            && self.disks.iter().all(|d| d.offset == [0.0, 0.0])
     }
 
     /// True when gravity acts.

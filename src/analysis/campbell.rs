@@ -65,7 +65,7 @@ pub fn campbell(
         Form::Consistent if highest > 0.0 => Some(Stiffening::new(model, &spectrum, highest)?),
         _ => None,
     };
-    let operators = Operators::new(&assembly, &spectrum, settings, stiffening);
+    let operators = Operators::new(&assembly, &spectrum, settings.frame, settings.gyroscopic, stiffening);
     refuse_burst(&operators, &spectrum, highest)?;
     let reduced = Reduced::new(&operators, &spectrum, basis - corrected, corrected)?;
     let criticals = if highest > 0.0 && (operators.is_conservative() || operators.is_rotating()) {
@@ -90,7 +90,7 @@ pub fn campbell(
     };
     let measured_error = solver.measured_error(&sweep, &mut diagnostics)?;
     offset_remark(model, settings, &mut diagnostics);
-    speed_remarks(model, highest, &branches, &mut diagnostics);
+    speed_remarks(model, highest, &branches, unstable_ranges.as_deref(), &mut diagnostics);
 
     let mass = super::check::properties(model).mass();
     let mut model_summary = summary(model, assembly.size(), mass);
@@ -163,7 +163,11 @@ fn speeds(settings: &CampbellSettings, operators: &Operators, criticals: Option<
             let (a, b) = (pair[0].speed, pair[1].speed);
             let inside = |s: f64| a < s && s < b;
             let middle = (a + b) / 2.0;
-            if b > a * (1.0 + 1e-8) && *first < middle && middle < *last && !settings.speeds.iter().any(|s| inside(*s)) {
+            if b > a * (1.0 + 1e-8)
+                && *first < middle
+                && middle < *last
+                && !settings.speeds.iter().any(|s| inside(*s))
+            {
                 speeds.push(middle);
             }
         }
@@ -242,10 +246,14 @@ impl Solver<'_> {
     /// Follows the lowest motions of the first speed through all others.
     fn track(&self, sweep: &[Solution], diagnostics: &mut Vec<Diagnostic>) -> Result<Vec<Tracked>> {
         let Some(first) = sweep.first() else { return Ok(Vec::new()) };
-        let count = (self.settings.modes + SPARE).min(first.motions.len());
-        let mut places: Vec<Vec<Option<usize>>> = (0..count).map(|i| vec![Some(i)]).collect();
+        let starts: Vec<usize> = (0..first.motions.len())
+            .filter(|&i| first.motions[i].lambda.im > 0.0)
+            .take(self.settings.modes + SPARE)
+            .collect();
+        let count = starts.len();
+        let mut places: Vec<Vec<Option<usize>>> = starts.iter().map(|&i| vec![Some(i)]).collect();
         // where each branch was seen last: (speed index, motion)
-        let mut seen: Vec<(usize, usize)> = (0..count).map(|i| (0, i)).collect();
+        let mut seen: Vec<(usize, usize)> = starts.iter().map(|&i| (0, i)).collect();
         let mut extra = 0;
         let mut unclear: Vec<(usize, f64)> = Vec::new();
         for (k, to) in sweep.iter().enumerate().skip(1) {
@@ -420,7 +428,8 @@ impl Solver<'_> {
     /// passed on the way from zero, by the sign of its energy.
     fn count(&self, exact: &Solution, count: usize, speed: f64) -> Result<(Option<usize>, usize)> {
         let frequency = |i: usize| exact.motions[i].lambda.im;
-        let candidates = (count..(count + SPARE).min(exact.motions.len())).filter(|&a| frequency(a - 1) > 0.0);
+        let candidates =
+            (count..(count + SPARE).min(exact.motions.len())).filter(|&a| frequency(a - 1) > 0.0);
         let widest = candidates
             .max_by(|&a, &b| (frequency(a) / frequency(a - 1)).total_cmp(&(frequency(b) / frequency(b - 1))));
         let Some(at) = widest else { return Ok((Some(0), 0)) };
@@ -480,4 +489,3 @@ fn name(kind: ModeKind, whirl: Whirl, number: usize) -> String {
 fn clean_zero(value: f64) -> f64 {
     if value.abs() < 1e-12 { 0.0 } else { value }
 }
-

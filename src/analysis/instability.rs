@@ -14,7 +14,7 @@ const END: f64 = 1e-7;
 const SEARCH: usize = 24;
 
 impl Solver<'_> {
-    /// The unstable ranges of the reported branches by ascending speed.
+    /// The unstable ranges of all branches followed, by ascending speed.
     ///
     /// # Errors
     /// When a speed can't be solved.
@@ -43,7 +43,11 @@ impl Solver<'_> {
                     None => sweep[k].speed,
                 };
                 let known = (start..=k).filter_map(motion).map(|m| m.lambda.re).fold(0.0, f64::max);
-                let largest = self.largest_growth(from, to, (start..=k).filter_map(|k| Some((sweep[k].speed, motion(k)?))))?;
+                let largest = self.largest_growth(
+                    from,
+                    to,
+                    (start..=k).filter_map(|k| Some((sweep[k].speed, motion(k)?))),
+                )?;
                 ranges.push(UnstableRange {
                     from_rad_s: from,
                     to_rad_s: to,

@@ -13,7 +13,7 @@ use super::spectrum::Spectrum;
 use super::stiffening::Stiffening;
 use crate::assembly::Assembly;
 use crate::linalg::sparse::{Sparse, combine};
-use crate::model::{CampbellSettings, WhirlFrame};
+use crate::model::{Gyroscopic, WhirlFrame};
 use crate::support::bearing_rows;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Scale};
@@ -52,7 +52,8 @@ impl Operators {
     pub fn new(
         assembly: &Assembly<'_>,
         spectrum: &Spectrum,
-        settings: &CampbellSettings,
+        frame: WhirlFrame,
+        gyroscopic: Gyroscopic,
         stiffening: Option<Stiffening>,
     ) -> Self {
         let present = |a: Sparse| (a.compute_nnz() > 0).then_some(a);
@@ -64,19 +65,18 @@ impl Operators {
             .map(|row| assembly.force(&row))
             .collect();
         let angular_momentum = assembly.angular_momentum();
-        let rotating = settings.frame == WhirlFrame::Rotating;
-        let gyroscopic =
-            if rotating { Scale(2.0) * &angular_momentum } else { assembly.gyroscopic(settings.gyroscopic) };
+        let rotating = frame == WhirlFrame::Rotating;
+        let turning = if rotating { Scale(2.0) * &angular_momentum } else { assembly.gyroscopic(gyroscopic) };
         let circulatory = if rotating { assembly.rotating_damping() } else { assembly.circulatory() };
-        let centrifugal = stiffening.is_some().then(|| {
-            if rotating { assembly.centrifugal() } else { Scale(-1.0) * assembly.spin_softening() }
-        });
+        let centrifugal = stiffening
+            .is_some()
+            .then(|| if rotating { assembly.centrifugal() } else { Scale(-1.0) * assembly.spin_softening() });
         let states = stiffening.as_ref().map_or(&[][..], |s| &s.states);
         Self {
-            frame: settings.frame,
+            frame,
             mass: spectrum.mass.clone(),
             stiffness: spectrum.stiffness.clone(),
-            gyroscopic: present(gyroscopic),
+            gyroscopic: present(turning),
             damping: present(assembly.damping()),
             cross_coupling: present(assembly.cross_coupling()),
             circulatory: present(circulatory),

@@ -5,15 +5,19 @@
 //! axial modes are off by up to 7e-4. Source: docs/theory.md section 6.
 
 use super::operators::Operators;
+use super::spectrum::{Flexibility, Spectrum};
 use super::state::AtSpeed;
 use super::stiffening::Nodes;
-use super::spectrum::{Flexibility, Spectrum};
 use crate::error::Result;
 use crate::linalg::dense::{general, self_adjoint};
 use crate::linalg::sparse::{Sparse, multiply};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef, c64};
 
+/// Share of the imaginary part below which an eigenvalue counts as real.
+const REAL: f64 = 1e-5;
+/// Decay over frequency from which a motion does not count as an oscillation.
+const CREEP: f64 = 100.0;
 /// Corrections of which less than this share (in energy) is new are not new directions.
 const DEPENDENT: f64 = 1e-12;
 /// Share of the energy of the largest of its kind below which a correction is rounding error.
@@ -83,7 +87,8 @@ impl Reduced {
         if let (Some(damping), Some(_)) = (&operators.damping, &operators.circulatory) {
             forces.push(multiply(damping, carriers.as_ref()));
         }
-        if let Some(secant) = operators.stiffening.as_ref().and_then(|s| operators.secant(s.nodes.highest())) {
+        if let Some(secant) = operators.stiffening.as_ref().and_then(|s| operators.secant(s.nodes.highest()))
+        {
             forces.push(multiply(&secant, carriers.as_ref()));
         }
         let mut answers: Vec<Mat<f64>> = forces
@@ -208,7 +213,11 @@ impl Reduced {
     /// Factors of [`Self::varying`] at a speed.
     pub fn weights(&self, speed: f64) -> Vec<f64> {
         let nodes = self.nodes.iter().flat_map(|n| n.weights(speed));
-        if self.varying.is_empty() { Vec::new() } else { std::iter::once(speed * speed).chain(nodes).collect() }
+        if self.varying.is_empty() {
+            Vec::new()
+        } else {
+            std::iter::once(speed * speed).chain(nodes).collect()
+        }
     }
 
     /// The motions of this (finer) basis expressed on `target`, up to what `target` does not hold.
@@ -223,9 +232,8 @@ impl Reduced {
         };
         for motion in &mut solution.motions {
             motion.right = coarse.right_of(apply(&motion.right), motion.lambda);
-            motion.left = motion.left.take().map(|left| {
-                coarse.left_of(apply(&left), &apply(&fine.covector(&left)))
-            });
+            motion.left =
+                motion.left.take().map(|left| coarse.left_of(apply(&left), &apply(&fine.covector(&left))));
         }
         Ok(solution)
     }
@@ -287,10 +295,13 @@ impl Reduced {
             let (values, vectors) = general(a.as_ref())?;
             // rows of the inverse are the left vectors' conjugate transposes
             let inverse = vectors.partial_piv_lu().solve(Mat::<c64>::identity(a.nrows(), a.nrows()));
-            let is_real = |k: &usize| values[*k].im.abs() <= 1e-9 * values[*k].norm();
+            let is_real = |k: &usize| values[*k].im.abs() <= REAL * values[*k].norm();
             let mut kept: Vec<usize> = (0..values.len())
                 .filter(|k| values[*k].im > if self.rotating { 0.0 } else { zero })
-                .filter(|k| values[*k].norm() > zero && !(self.rotating && is_real(k)))
+                .filter(|k| values[*k].norm() > zero && !is_real(k))
+                // what creeps in space turns with the speed when seen from the shaft, and two planes that creep
+                // alike are a double real value, which rounding parts
+                .filter(|k| -values[*k].re <= CREEP * values[*k].im)
                 .collect();
             if self.rotating {
                 // a pair of frequencies that met at zero goes on as a pair on the real axis: its growing half

@@ -2,10 +2,8 @@
 
 use super::campbell::Tracked;
 use super::operators::Operators;
-use crate::model::{
-    Bearing, CampbellSettings, Form, Gyroscopic, Law, Model, SupportKind, WhirlFrame,
-};
-use crate::results::{Diagnostic, ModelSummary};
+use crate::model::{Bearing, CampbellSettings, Form, Gyroscopic, Law, Model, SupportKind, WhirlFrame};
+use crate::results::{Diagnostic, ModelSummary, UnstableRange};
 
 /// A case that a frame or form does not fit.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,6 +87,7 @@ pub(super) fn speed_remarks(
     model: &Model,
     highest: f64,
     branches: &[Tracked],
+    ranges: Option<&[UnstableRange]>,
     diagnostics: &mut Vec<Diagnostic>,
 ) {
     let clamped = model.supports.iter().any(|s| matches!(s.kind, crate::model::SupportKind::Clamped(_)));
@@ -97,6 +96,16 @@ pub(super) fn speed_remarks(
             "clamped-spins",
             "a clamped end of a spinning shaft is read as a driven revolute end (no tilt, no torsional vibration)",
         ));
+    }
+    if let Some(ranges) = ranges {
+        diagnostics.extend(ranges.iter().map(|r| {
+            let (branch, from, to) = (&r.branch, r.from_rad_s, r.to_rad_s);
+            Diagnostic::warning(
+                "unstable",
+                format!("branch {branch} is unstable from {from:.6} to {to:.6} rad/s"),
+            )
+        }));
+        return;
     }
     for tracked in branches {
         let unstable = tracked.branch.log_decrement.iter().flatten().filter(|d| **d < -1e-9).count();
@@ -136,7 +145,8 @@ pub fn describe_model(
             );
             if offset {
                 summary.left_out.push(
-                    "the bend that offset disks cause: the equilibrium is that of the balanced rotor".to_owned(),
+                    "the bend that offset disks cause: the equilibrium is that of the balanced rotor"
+                        .to_owned(),
                 );
             }
         }

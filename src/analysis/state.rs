@@ -44,9 +44,8 @@ impl<'a> AtSpeed<'a> {
         if let Some(turn) = &turn {
             stiffness = turn.transpose() * stiffness * turn;
         }
-        let stiffness = Mat::from_fn(n - r, n - r, |i, j| {
-            (stiffness[(i + r, j + r)] + stiffness[(j + r, i + r)]) / 2.0
-        });
+        let stiffness =
+            Mat::from_fn(n - r, n - r, |i, j| (stiffness[(i + r, j + r)] + stiffness[(j + r, i + r)]) / 2.0);
         let diagonal = || Mat::from_fn(n - r, n - r, |i, j| if i == j { w[i + r] } else { 0.0 });
         let (root, factored) = if reduced.varying.is_empty() || speed == 0.0 {
             (diagonal(), true)
@@ -121,7 +120,8 @@ impl<'a> AtSpeed<'a> {
         let root = (turning * turning + 4.0 * mass * stiffness).sqrt();
         let candidates = [(turning + root) / (2.0 * mass), (turning - root) / (2.0 * mass)];
         let near = |w: &f64| (w - guess).abs();
-        let best = candidates.into_iter().filter(|w| w.is_finite()).min_by(|a, b| near(a).total_cmp(&near(b)));
+        let best =
+            candidates.into_iter().filter(|w| w.is_finite()).min_by(|a, b| near(a).total_cmp(&near(b)));
         best.filter(|w| near(w) <= 1e-3 * guess.abs()).unwrap_or(guess)
     }
 

@@ -11,6 +11,7 @@ use crate::assembly::Assembly;
 use crate::error::{Error, Result};
 use crate::linalg::sparse::{Sparse, combine, from_columns, multiply};
 use crate::model::{Model, Quadrature};
+use faer::Mat;
 use std::f64::consts::PI;
 
 /// Degrees of the polynomial that are tried until the error is below [`WANTED`].
@@ -19,6 +20,9 @@ const DEGREES: [usize; 3] = [3, 5, 8];
 const WANTED: f64 = 1e-10;
 /// `(Omega / highest)^2` where the interpolation is checked: no node of any degree.
 const CHECK: f64 = 0.4162;
+/// Displacement over the reference length below which the linear answer is exact to rounding, and below
+/// which Newton's method would see only rounding errors.
+const LINEAR: f64 = 1e-8;
 const NEWTON: NewtonSettings = NewtonSettings { load_steps: 1, max_iterations: 25, tolerance: 1e-20 };
 
 /// Nodes of an interpolation over speed.
@@ -135,15 +139,23 @@ impl<'a> Spinning<'a> {
     /// `K_T - K_0` and the displacement at a speed.
     fn at(&self, speed: f64, start: Option<&[f64]>) -> Result<(Sparse, Vec<f64>)> {
         let balance = Balance::new(self.assembly, false, speed)?;
-        let found = balance.solve(NEWTON, start)?;
-        if found.load_factor < 1.0 {
-            return Err(burst(speed * found.load_factor.sqrt(), "Newton's method with halved steps in Omega^2"));
-        }
+        let linear = self.linear(&balance, speed)?;
+        let largest = linear.iter().fold(0.0, |m: f64, z| m.max(z.abs()));
+        let found = if largest <= LINEAR * self.assembly.model.reference_length {
+            linear
+        } else {
+            let found = balance.solve(NEWTON, start)?;
+            if found.load_factor < 1.0 {
+                let reached = speed * found.load_factor.sqrt();
+                return Err(burst(reached, "Newton's method with halved steps in Omega^2"));
+            }
+            found.z
+        };
         // Sections, supports and pull are symmetric about both planes, so the state is too: what rounding
         // added across them would couple bending to stretch.
         let symmetric = |signs: &[bool; 2]| *signs == [false, false];
         let state: Vec<f64> =
-            found.z.iter().zip(&self.mirror).map(|(z, m)| if symmetric(m) { *z } else { 0.0 }).collect();
+            found.iter().zip(&self.mirror).map(|(z, m)| if symmetric(m) { *z } else { 0.0 }).collect();
         let tangent = balance.tangent(&state);
         // A singular matrix on symmetric motions is the loss of equilibrium; on others it is a critical speed.
         let held = self.filtered(
@@ -157,6 +169,19 @@ impl<'a> Spinning<'a> {
         }
         let change = combine(&[(1.0, &tangent), (-1.0, &self.at_rest)]);
         Ok((self.filtered(&change, |i, j| self.mirror[i] == self.mirror[j], |_| None), state))
+    }
+
+    /// Displacement under the centrifugal pull on the undeformed shaft, by the stiffness at rest.
+    fn linear(&self, balance: &Balance<'_>, speed: f64) -> Result<Vec<f64>> {
+        let mut turning = balance.reference.clone();
+        turning.iter_mut().step_by(3).for_each(|x| *x = 0.0);
+        let (mut pull, mut force) = (vec![0.0; turning.len()], vec![0.0; self.assembly.size()]);
+        balance.mass.multiply(&turning, &mut pull);
+        self.assembly.project(&pull, &mut force);
+        let motions = self.assembly.rigid_motions().1;
+        let flexibility = Flexibility::new(&self.at_rest, &self.mass, motions)?;
+        let answer = flexibility.solve(Mat::from_fn(force.len(), 1, |i, _| speed * speed * force[i]));
+        Ok(answer.col(0).iter().copied().collect())
     }
 
     fn scale(&self, i: usize) -> f64 {
@@ -188,7 +213,9 @@ impl<'a> Spinning<'a> {
 /// The error of a shaft that bursts before the highest speed.
 pub fn burst(speed: f64, tried: &str) -> Error {
     Error::analysis(
-        format!("the spinning shaft has no stable equilibrium beyond about {speed:.6} rad/s: it bursts or buckles"),
+        format!(
+            "the spinning shaft has no stable equilibrium beyond about {speed:.6} rad/s: it bursts or buckles"
+        ),
         tried,
         "lower `campbell.speeds.to`, or take \"form\": \"classical\", which leaves centrifugal effects out",
     )

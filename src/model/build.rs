@@ -2,8 +2,8 @@
 
 use super::mesh::{Mesh, SegmentPlan};
 use super::{
-    ActsOn, Bearing, CampbellSettings, Disk, ElementKind, Form, Gyroscopic, WhirlFrame, Hub, Law, Material, Model, Probe,
-    Quadrature, SectionHold, StaticSettings, Support, SupportKind,
+    ActsOn, Bearing, CampbellSettings, Disk, ElementKind, Form, Gyroscopic, Hub, Law, Material, Model, Probe,
+    Quadrature, SectionHold, StaticSettings, Support, SupportKind, WhirlFrame,
 };
 use crate::case::{self, Case, LoadedCase, nearest};
 use crate::error::Result;
