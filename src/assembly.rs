@@ -138,6 +138,16 @@ impl<'a> Assembly<'a> {
         self.free.iter().map(|&i| q[i]).collect()
     }
 
+    /// [`Self::restrict`] into memory that is there.
+    pub fn restrict_into(&self, q: &[f64], z: &mut [f64]) {
+        z.iter_mut().zip(&self.free).for_each(|(z, &i)| *z = q[i]);
+    }
+
+    /// The coordinates of a range that are free.
+    pub fn free_among(&self, range: std::ops::Range<usize>) -> Vec<usize> {
+        self.free.iter().copied().filter(|i| range.contains(i)).collect()
+    }
+
     /// Matrices of one element.
     pub fn element_matrices(&self, element: usize) -> &ElementMatrices {
         &self.distinct[self.element_type[element]]
@@ -169,6 +179,35 @@ impl<'a> Assembly<'a> {
     /// Stiffness of the bearings, skew part included.
     pub fn bearing_stiffness(&self) -> Sparse {
         self.build(None, self.bearings(|b| b.stiffness))
+    }
+
+    /// [`Self::stiffness`] with bearings averaged over the directions, as a turning section feels them in the mean.
+    pub fn mean_stiffness(&self) -> Sparse {
+        let mut nodal = support::hub_stiffness(self.model, &self.numbering);
+        nodal.extend(self.bearings(|b| mean(b.stiffness)));
+        self.build(Some(&|_, m| m.stiffness.clone()), nodal)
+    }
+
+    /// [`Self::damping`] with bearings averaged over the directions.
+    pub fn mean_damping(&self) -> Sparse {
+        self.build(
+            self.has_material_damping().then_some(&material_damping),
+            self.bearings(|b| mean(b.damping)),
+        )
+    }
+
+    /// `alpha M J`: what spin adds to external damping forces in the rotating frame, per unit speed.
+    pub fn external_momentum(&self) -> Sparse {
+        let shaft = |material: &Material, m: &ElementMatrices| {
+            times_cross(&m.mass) * faer::Scale(material.mass_damping)
+        };
+        self.build(Some(&shaft), Vec::new())
+    }
+
+    /// `alpha M` of the shaft.
+    pub fn external_damping(&self) -> Sparse {
+        let shaft = |material: &Material, m: &ElementMatrices| &m.mass * faer::Scale(material.mass_damping);
+        self.build(Some(&shaft), Vec::new())
     }
 
     /// Skew part of the bearings' stiffness (cross-coupling).
@@ -212,11 +251,7 @@ impl<'a> Assembly<'a> {
 
     /// Damping matrix at rest: bearings, `beta K` and `alpha M` of the materials.
     pub fn damping(&self) -> Sparse {
-        let material = |material: &Material, m: &ElementMatrices| {
-            &m.stiffness * faer::Scale(material.stiffness_damping)
-                + &m.mass * faer::Scale(material.mass_damping)
-        };
-        self.build(self.has_material_damping().then_some(&material), self.bearings(|b| b.damping))
+        self.build(self.has_material_damping().then_some(&material_damping), self.bearings(|b| b.damping))
     }
 
     /// What spin adds to the material damping forces, per unit spin speed, on displacements:
@@ -444,6 +479,17 @@ fn times_cross(a: &Mat<f64>) -> Mat<f64> {
         2 => -a[(i, j - 1)],
         _ => 0.0,
     })
+}
+
+/// `beta K + alpha M` of an element.
+fn material_damping(material: &Material, m: &ElementMatrices) -> Mat<f64> {
+    &m.stiffness * faer::Scale(material.stiffness_damping) + &m.mass * faer::Scale(material.mass_damping)
+}
+
+/// The same law in both directions, with the mean of the diagonal.
+fn mean(law: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    let mean = (law[0][0] + law[1][1]) / 2.0;
+    [[mean, 0.0], [0.0, mean]]
 }
 
 fn symmetric_part(k: [[f64; 2]; 2]) -> [[f64; 2]; 2] {

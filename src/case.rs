@@ -53,6 +53,12 @@ pub struct Case {
     /// Sweep of the spin speed.
     #[serde(default)]
     pub campbell: Option<Campbell>,
+    /// Static equilibrium under the loads and gravity.
+    #[serde(default, rename = "static")]
+    pub statics: Statics,
+    /// Run up to speed, or the steady state at speed.
+    #[serde(default)]
+    pub spinup: Option<Spinup>,
     /// Values that `rotor validate` checks.
     #[serde(default)]
     pub expected: Vec<Expected>,
@@ -150,6 +156,46 @@ pub struct Shaft {
     pub element: String,
     /// Segments, laid end to end from x = 0.
     pub segments: Vec<Segment>,
+    /// Integration of nonlinear forces (static, spinup): "exact" (default), "reduced" (5 Gauss points along an
+    /// element), or numbers of points.
+    #[serde(default)]
+    pub quadrature: Quadrature,
+}
+
+/// Integration of nonlinear forces.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Quadrature {
+    /// A rule by name.
+    Named(QuadratureName),
+    /// Numbers of Gauss points.
+    Points(QuadraturePoints),
+}
+
+impl Default for Quadrature {
+    fn default() -> Self {
+        Self::Named(QuadratureName::Exact)
+    }
+}
+
+/// Rules by name.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum QuadratureName {
+    /// No quadrature error.
+    Exact,
+    /// 5 Gauss points along an element, exact over the section.
+    Reduced,
+}
+
+/// Numbers of Gauss points.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct QuadraturePoints {
+    /// Along an element, 2 to 20; as many as exact integration takes by default.
+    pub axial: Option<usize>,
+    /// In each direction of the section, 2 to 20; exact section moments by default.
+    pub section: Option<usize>,
 }
 
 fn default_element() -> String {
@@ -355,7 +401,7 @@ impl Default for Modes {
 pub enum Frame {
     /// Fixed in space.
     Stationary,
-    /// Turning with the shaft (not part of this version).
+    /// Turning with the shaft (consistent form only).
     Rotating,
 }
 
@@ -365,7 +411,7 @@ pub enum Frame {
 pub enum Form {
     /// Stiffness of the undeformed shaft, gyroscopic terms.
     Classical,
-    /// With centrifugal stiffening and softening (not part of this version).
+    /// Tangent stiffness at the spinning equilibrium and spin softening.
     Consistent,
 }
 
@@ -391,14 +437,14 @@ pub struct Campbell {
     /// Whirl branches to report.
     #[serde(default = "twelve")]
     pub modes: u32,
-    /// Frame, default stationary.
+    /// Frame, default stationary for circle and tube sections (and for the classical form), else rotating.
     pub frame: Option<Frame>,
-    /// Form, default classical.
+    /// Form, default consistent.
     pub form: Option<Form>,
     /// Size of the modal basis (at least modes + 8), or "none".
     #[serde(default)]
     pub reduction: ReductionSize,
-    /// Whose gyroscopic terms act.
+    /// Whose gyroscopic terms act ("disks" and "none" in the classical form only).
     #[serde(default)]
     pub gyroscopic: Gyroscopic,
     /// Excitation orders to draw besides 1x.
@@ -422,6 +468,126 @@ pub struct SpeedRange {
     /// Number of speeds.
     #[serde(default = "hundred_and_one")]
     pub count: u32,
+}
+
+/// Static equilibrium.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Statics {
+    /// Load steps, default 1; each is cut further where Newton's method does not converge.
+    #[serde(default = "one")]
+    pub load_steps: u32,
+    /// Most Newton iterations of a step, default 40.
+    #[serde(default = "forty")]
+    pub max_iterations: u32,
+    /// Energy of the last correction over that of the state, default 1e-20 (ten digits of the displacement).
+    #[serde(default = "tiny")]
+    pub tolerance: f64,
+}
+
+impl Default for Statics {
+    fn default() -> Self {
+        Self { load_steps: one(), max_iterations: forty(), tolerance: tiny() }
+    }
+}
+
+fn one() -> u32 {
+    1
+}
+
+fn forty() -> u32 {
+    40
+}
+
+fn tiny() -> f64 {
+    1e-20
+}
+
+/// Run up to speed.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Spinup {
+    /// Phases of the drive; from one speed to the next along half a cosine, from rest at t = 0.
+    pub drive: Vec<DrivePhase>,
+    /// End of the simulation, default the end of the last phase.
+    pub until: Option<Time>,
+    /// Frame of the unknowns, default rotating.
+    #[serde(default)]
+    pub frame: SpinupFrame,
+    /// Integrator, default implicit.
+    #[serde(default)]
+    pub integrator: Integrator,
+    /// Tolerance of a step relative to the largest displacement, default 1e-4.
+    #[serde(default = "step_rtol")]
+    pub rtol: f64,
+    /// Tolerance of a step on displacements over the reference length, default 1e-7.
+    #[serde(default = "step_atol")]
+    pub atol: f64,
+    /// Spectral radius of generalized-alpha at infinite frequency: 1 no numerical damping, 0 the most; default 0.9.
+    pub rho_infinity: Option<f64>,
+    /// Fixed step instead of error control.
+    pub step: Option<Time>,
+    /// Most steps, default 1000000.
+    #[serde(default = "million")]
+    pub max_steps: u64,
+    /// Number of equally spaced times in the history, default 201.
+    #[serde(default = "two_hundred_and_one")]
+    pub output: u32,
+    /// Only the equilibrium at the last speed.
+    #[serde(default)]
+    pub steady: bool,
+}
+
+fn step_rtol() -> f64 {
+    1e-4
+}
+
+fn step_atol() -> f64 {
+    1e-7
+}
+
+fn million() -> u64 {
+    1_000_000
+}
+
+fn two_hundred_and_one() -> u32 {
+    201
+}
+
+/// End of a phase of the drive.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DrivePhase {
+    /// Time at which the phase ends.
+    pub until: Time,
+    /// Speed reached there.
+    pub speed: Speed,
+}
+
+/// Frame of a transient.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum SpinupFrame {
+    /// Turning with the drive.
+    #[default]
+    Rotating,
+    /// Fixed in space.
+    Inertial,
+}
+
+/// Integrator of a transient.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Integrator {
+    /// The default implicit one: esdirk.
+    #[default]
+    Implicit,
+    /// Implicit Runge-Kutta of order 4, error-controlled.
+    Esdirk,
+    /// Generalized-alpha, order 2, robust.
+    GeneralizedAlpha,
+    /// Explicit Adams predictor-corrector of variable order and step.
+    Adams,
 }
 
 fn no_speed() -> Speed {

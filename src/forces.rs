@@ -218,7 +218,15 @@ pub struct ScalarMass {
 impl ScalarMass {
     /// Mass of shaft and disks, no constraint.
     pub fn new(model: &Model) -> Self {
-        let mass = Assembly::unconstrained(model).mass();
+        Self::of(&Assembly::unconstrained(model).mass())
+    }
+
+    /// `alpha M` of the shaft, the external damping.
+    pub fn external_damping(model: &Model) -> Self {
+        Self::of(&Assembly::unconstrained(model).external_damping())
+    }
+
+    fn of(mass: &Sparse) -> Self {
         let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
         for column in (0..mass.ncols()).step_by(3) {
             for (&row, &value) in mass.row_idx_of_col_raw(column).iter().zip(mass.val_of_col(column)) {

@@ -1,6 +1,9 @@
 //! What the analyses return: plain data, no maths, no drawing. Reports and plots see only this.
 //! Units are in the field names; `None` stands for "not defined here" (JSON null), never NaN.
 
+mod motion;
+
+pub use motion::*;
 use serde::Serialize;
 
 /// A finished analysis with everything its report says.

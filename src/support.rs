@@ -73,6 +73,18 @@ pub fn order_at(model: &Model, node: usize) -> usize {
     elements_at(model, node).map(|e| e.kind.section_order).max().unwrap_or(1)
 }
 
+/// True when a support at the node turns its section with the drive: driven ends, and fixed components.
+pub fn drives(model: &Model, node: usize) -> bool {
+    model.supports.iter().filter(|s| s.node == node).any(|s| {
+        matches!(
+            s.kind,
+            SupportKind::Revolute { driven: true, .. }
+                | SupportKind::Cylindrical { driven: true, .. }
+                | SupportKind::Fix(_)
+        )
+    })
+}
+
 /// Weights `w_k` of the mean displacement `sum_k w_k q_k` of the section (or of the axis).
 pub fn displacement_weights(model: &Model, node: usize, acts_on: ActsOn) -> Vec<f64> {
     let order = order_at(model, node);

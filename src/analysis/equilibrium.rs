@@ -13,12 +13,15 @@ use crate::error::Result;
 use crate::forces::{Forces, ScalarMass, Workspace};
 use crate::linalg::sparse::{Sparse, combine, multiply};
 use crate::loads::{dead_loads, weight};
+use crate::model::Element;
 use faer::Mat;
 
 /// Smallest share of the load by which a step may advance.
 const SMALLEST_STEP: f64 = 1.0 / 1024.0;
 /// Share of the energy below which a correction that no longer shrinks is rounding.
 const ROUNDING: f64 = 1e-13;
+/// Strain whose energy is rounding.
+const ROUNDING_STRAIN: f64 = 1e-14;
 
 /// The forces on a shaft at constant speed under dead loads.
 pub struct Balance<'a> {
@@ -34,6 +37,8 @@ pub struct Balance<'a> {
     pub load: Vec<f64>,
     /// Spin speed, rad/s.
     pub speed: f64,
+    /// Energy of rounding, J.
+    rounding: f64,
     bearings: Sparse,
     free_mass: Sparse,
     centrifugal: Sparse,
@@ -89,7 +94,11 @@ impl<'a> Balance<'a> {
             }
         }
         let (unresisted, motions) = assembly.rigid_motions();
+        let modulus = |e: &Element| {
+            model.materials[e.material].youngs_modulus * model.sections[e.section].area() * e.length
+        };
         Ok(Self {
+            rounding: ROUNDING_STRAIN.powi(2) * model.elements.iter().map(modulus).sum::<f64>(),
             reference: forces.reference(),
             bearings: assembly.bearing_stiffness(),
             free_mass: assembly.mass(),
@@ -215,7 +224,7 @@ impl<'a> Balance<'a> {
                 return Ok(None);
             }
             largest = largest.max(slope.abs()).max(energy.abs());
-            let relative = if largest > 0.0 { slope.abs() / largest } else { 0.0 };
+            let relative = if slope.abs() > self.rounding { slope.abs() / largest } else { 0.0 };
             let stalled = relative > previous / 4.0 && relative < ROUNDING;
             previous = relative;
             let done = relative <= settings.tolerance || stalled;

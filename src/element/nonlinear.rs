@@ -18,6 +18,7 @@ use super::quadrature::{gauss, section_rule};
 use crate::model::{ElementKind, Law, Material, Quadrature};
 use crate::section::Section;
 use crate::vectors::exponents;
+use nalgebra::Matrix3;
 use pulp::bytemuck::{Pod, cast_slice, cast_slice_mut};
 use pulp::{Arch, Simd, WithSimd};
 
@@ -55,6 +56,19 @@ impl StressLaw {
             on_axis: Some(normal(2.0 * nu * lambda, lambda)),
         }
     }
+}
+
+/// Second Piola-Kirchhoff stress (Pa) for a Green-Lagrange strain. Of 3333c the part that acts over the volume; its
+/// Poisson coupling belongs to the axis alone.
+pub fn stress_at(law: Law, section: &Section, material: &Material, strain: &Matrix3<f64>) -> Matrix3<f64> {
+    let law = StressLaw::new(law, section, material);
+    Matrix3::from_fn(|i, j| {
+        if i == j {
+            (0..3).map(|k| law.normal[i][k] * strain[(k, k)]).sum()
+        } else {
+            2.0 * law.shear[place(i, j) - 3] * strain[(i, j)]
+        }
+    })
 }
 
 /// Pairs of monomials by the monomial they multiply to.

@@ -6,4 +6,5 @@
 pub mod dense;
 pub mod factor;
 pub mod lanczos;
+pub mod lu;
 pub mod sparse;

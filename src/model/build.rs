@@ -1,9 +1,11 @@
 //! From a case as written to a checked [`Model`]: every rule of the case format, with its remedy.
 
+mod loads;
+mod motion;
 use super::mesh::{Mesh, SegmentPlan};
 use super::{
-    ActsOn, Bearing, CampbellSettings, Disk, ElementKind, Form, Gyroscopic, Hub, Law, Material, Model, Probe,
-    Quadrature, SectionHold, StaticSettings, Support, SupportKind, WhirlFrame,
+    ActsOn, Bearing, CampbellSettings, Disk, ElementKind, Form, Gyroscopic, Hub, Law, Material, Model,
+    SectionHold, Support, SupportKind, WhirlFrame,
 };
 use crate::case::{self, Case, LoadedCase, nearest};
 use crate::error::Result;
@@ -32,20 +34,20 @@ impl Model {
         let mesh = input.mesh(&plans, length)?;
         let disks = input.disks(&mesh)?;
         let (supports, bearings) = input.supports(&mesh)?;
-        input.loads(length)?;
+        let (loads, tractions) = input.loads(&mesh)?;
         let probes = input.probes(&mesh, length, &sections)?;
         input.expected()?;
         Ok(Self {
             reference_length: sections.iter().map(Section::outer_size).fold(0.0, f64::max),
             length,
-            gravity: loaded.case.gravity.map_or([0.0; 3], |g| g.map(|c| c.0)),
-            loads: Vec::new(),
-            tractions: Vec::new(),
-            quadrature: Quadrature::EXACT,
-            statics: StaticSettings { load_steps: 1, max_iterations: 40, tolerance: 1e-20 },
-            spinup: None,
+            gravity: input.gravity()?,
+            loads,
+            tractions,
+            quadrature: input.quadrature()?,
+            statics: input.statics()?,
+            spinup: input.spinup()?,
             modes: input.modes()?,
-            campbell: input.campbell()?,
+            campbell: input.campbell(sections.iter().all(Section::is_axisymmetric))?,
             materials,
             sections,
             elements: mesh.elements,
@@ -574,85 +576,6 @@ impl Input<'_> {
         Ok(list)
     }
 
-    fn loads(&self, length: f64) -> Result<()> {
-        for (i, load) in self.case.loads.iter().enumerate() {
-            let path = format!("loads.{i}");
-            let local = load.force.is_some() || load.moment.is_some();
-            let spread = load.surface.is_some() && load.traction.is_some();
-            let surface_keys = load.surface.is_some() || load.traction.is_some() || load.follower.is_some();
-            let allowed = "at with force or moment; or surface with traction";
-            if local == spread || (local && surface_keys) {
-                return self.fault(&path, "the load is incomplete or mixed", allowed);
-            }
-            match load.at {
-                Some(at) if local => self.on_shaft(&format!("{path}.at"), at.0, length)?,
-                None if spread => {}
-                _ => {
-                    return self.fault(
-                        &format!("{path}.at"),
-                        "a force or moment acts at a place, a traction on a surface",
-                        allowed,
-                    );
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn probes(&self, mesh: &Mesh, length: f64, sections: &[Section]) -> Result<Vec<Probe>> {
-        let mut list: Vec<Probe> = Vec::new();
-        for (i, probe) in self.case.probes.iter().enumerate() {
-            let at = |key: &str| format!("probes.{i}.{key}");
-            self.on_shaft(&at("at"), probe.at.0, length)?;
-            if list.iter().any(|p| p.name == probe.name) {
-                return self.fault(
-                    &at("name"),
-                    "two probes have this name",
-                    "a name of its own for each probe",
-                );
-            }
-            let Section { shape, outer: [cy, cz], .. } = sections[mesh.section_at(probe.at.0)];
-            let points = match (probe.line, probe.points) {
-                (None, None) => {
-                    let point = [probe.y.map_or(0.0, |y| y.0), probe.z.map_or(0.0, |z| z.0)];
-                    let [y, z] = [point[0] / cy, point[1] / cz];
-                    let size = if shape == Shape::Ellipse { y.hypot(z) } else { y.abs().max(z.abs()) };
-                    if size > 1.0 + 1e-9 {
-                        let key = if probe.y.is_some() { "y" } else { "z" };
-                        return self.fault(
-                            &at(key),
-                            "the probe lies outside the section",
-                            format!("within half extents {cy} (y) and {cz} (z)"),
-                        );
-                    }
-                    vec![point]
-                }
-                (Some(line), points) if probe.y.is_none() && probe.z.is_none() => {
-                    let count = points.unwrap_or(9);
-                    if !(2..=10_000).contains(&count) {
-                        return self.fault(&at("points"), "a line needs points", "2 to 10000");
-                    }
-                    let step = |k: u32| f64::from(k) / f64::from(count - 1);
-                    (0..count)
-                        .map(|k| match line {
-                            case::Line::Y => [cy * step(k), 0.0],
-                            case::Line::Z => [0.0, cz * step(k)],
-                        })
-                        .collect()
-                }
-                _ => {
-                    return self.fault(
-                        &format!("probes.{i}"),
-                        "a probe is a point or a line",
-                        "y and z; or line and points",
-                    );
-                }
-            };
-            list.push(Probe { name: probe.name.clone(), x: probe.at.0, points });
-        }
-        Ok(list)
-    }
-
     fn modes(&self) -> Result<usize> {
         match self.case.modes.count {
             count @ 1..=2000 => Ok(count as usize),
@@ -660,7 +583,8 @@ impl Input<'_> {
         }
     }
 
-    fn campbell(&self) -> Result<Option<CampbellSettings>> {
+    /// The sweep, of a rotor whose sections are all `round` or not.
+    fn campbell(&self, round: bool) -> Result<Option<CampbellSettings>> {
         let Some(c) = &self.case.campbell else { return Ok(None) };
         let (from, to) = (self.not_negative("campbell.speeds.from", c.speeds.from.0)?, c.speeds.to.0);
         if !(to > 0.0 && to.is_finite()) {
@@ -688,6 +612,23 @@ impl Input<'_> {
                 "\"frame\": \"stationary\"",
             );
         }
+        let form = match c.form {
+            Some(case::Form::Classical) => Form::Classical,
+            Some(case::Form::Consistent) | None => Form::Consistent,
+        };
+        let frame = match c.frame {
+            Some(case::Frame::Rotating) => WhirlFrame::Rotating,
+            Some(case::Frame::Stationary) => WhirlFrame::Stationary,
+            None if round || form == Form::Classical => WhirlFrame::Stationary,
+            None => WhirlFrame::Rotating,
+        };
+        if form == Form::Consistent && c.gyroscopic != case::Gyroscopic::All {
+            return self.fault(
+                "campbell.gyroscopic",
+                "gyroscopic terms can be left out in the classical form only: in the consistent form they belong together with the centrifugal terms",
+                "\"all\", or \"form\": \"classical\"",
+            );
+        }
         let reduction = match c.reduction {
             case::ReductionSize::None => None,
             case::ReductionSize::Basis(n) if n as usize >= modes + 8 && n <= 5000 => Some(n as usize),
@@ -706,14 +647,8 @@ impl Input<'_> {
         Ok(Some(CampbellSettings {
             speeds: (0..count).map(|k| from + (to - from) * step(k)).collect(),
             modes,
-            frame: match c.frame {
-                Some(case::Frame::Rotating) => WhirlFrame::Rotating,
-                _ => WhirlFrame::Stationary,
-            },
-            form: match c.form {
-                Some(case::Form::Consistent) => Form::Consistent,
-                _ => Form::Classical,
-            },
+            frame,
+            form,
             reduction,
             gyroscopic: match c.gyroscopic {
                 case::Gyroscopic::All => Gyroscopic::All,

@@ -1,0 +1,111 @@
+//! Radial growth of long spinning bodies: the closed form, and how much of it a polynomial section reaches.
+//!
+//! A long circle or tube with free ends, linear elasticity: plane strain plus a uniform axial strain
+//! `e = -nu rho W^2 (a^2 + b^2) / (2 E)`. Source: derived in docs/theory.md section 10.
+
+use crate::element::basis::SectionProducts;
+use crate::element::continuum::lame;
+use crate::model::Material;
+use crate::section::Section;
+use crate::vectors::exponents;
+use nalgebra::{DMatrix, DVector};
+
+/// Radial displacement (m) at radius r (m) of a long circle or tube that spins with `speed` (rad/s).
+pub fn closed_form(section: &Section, material: &Material, speed: f64, r: f64) -> Option<f64> {
+    if !section.is_axisymmetric() {
+        return None;
+    }
+    let (a, b) = (section.inner[0], section.outer[0]);
+    let (e, nu) = (material.youngs_modulus, material.poisson_ratio);
+    let load = material.density * speed * speed;
+    let n = nu / (1.0 - nu);
+    let hollow = if a > 0.0 { (1.0 + n) * (3.0 + n) * (a * b / r).powi(2) } else { 0.0 };
+    let plane_strain = load * (1.0 - nu * nu) / (8.0 * e)
+        * r
+        * ((3.0 + n) * (1.0 - n) * (a * a + b * b) + hollow - (1.0 - n * n) * r * r);
+    let axial = -nu * load * (a * a + b * b) / (2.0 * e);
+    Some(plane_strain - nu * axial * r)
+}
+
+/// Relative error of the growth of the outer radius when a long body's section is a polynomial of that order:
+/// the polynomial solution of the same linear problem over the closed form.
+pub fn polynomial_error(section: &Section, material: &Material, order: usize) -> Option<f64> {
+    let b = section.outer[0];
+    let exact = closed_form(section, material, 1.0, b)?;
+    let (lambda, mu) = lame(material);
+    let products = SectionProducts::new(order, section, b);
+    let list = exponents(order);
+    let n = list.len();
+    // unknowns: u_y and u_z of every vector, and the uniform axial strain
+    let size = 2 * n + 1;
+    let mut k = DMatrix::zeros(size, size);
+    let mut f = DVector::zeros(size);
+    for (i, &(ai, bi)) in list.iter().enumerate() {
+        for j in 0..n {
+            let g = |p: usize, q: usize| products.gradient(p, q)[(i, j)];
+            for (c, other) in [(0, 1), (1, 0)] {
+                let (d, o) = (c + 1, other + 1);
+                k[(2 * i + c, 2 * j + c)] = (lambda + 2.0 * mu) * g(d, d) + mu * g(o, o);
+                k[(2 * i + c, 2 * j + other)] = lambda * g(d, o) + mu * g(o, d);
+            }
+        }
+        let scale: f64 = (1..=ai).chain(1..=bi).map(|m| m as f64).product::<f64>() * b.powi((ai + bi) as i32);
+        for (c, moment) in [section.moment(ai + 1, bi), section.moment(ai, bi + 1)].into_iter().enumerate() {
+            f[2 * i + c] = material.density * moment / scale;
+        }
+        for c in 0..2 {
+            let coupling = lambda * products.gradient(0, c + 1)[(0, i)];
+            k[(2 * i + c, size - 1)] = coupling;
+            k[(size - 1, 2 * i + c)] = coupling;
+        }
+    }
+    k[(size - 1, size - 1)] = (lambda + 2.0 * mu) * products.area;
+    // translations and the rotation carry no load
+    let stiff = k.diagonal().amax();
+    for at in [0, 1, 3] {
+        k[(at, at)] += stiff;
+    }
+    let u = k.cholesky()?.solve(&f);
+    let factorial = |m: usize| (1..=m).map(|m| m as f64).product::<f64>();
+    let rim: f64 =
+        list.iter().enumerate().filter(|(_, e)| e.1 == 0).map(|(i, e)| u[2 * i] / factorial(e.0)).sum();
+    Some(rim / exact - 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STEEL: Material = Material {
+        youngs_modulus: 2.1e11,
+        poisson_ratio: 0.3,
+        density: 7850.0,
+        stiffness_damping: 0.0,
+        mass_damping: 0.0,
+    };
+
+    #[test]
+    fn the_closed_form_has_the_known_values() {
+        // three-dimensional reference for a long cylinder, radius 0.1, 15000 rpm, micrometres at k R/8
+        let known = [0.0, 3.0715, 6.0426, 8.8129, 11.2822, 13.350, 14.916, 15.880, 16.1409];
+        for (k, u) in known.into_iter().enumerate() {
+            let r = 0.1 * k as f64 / 8.0;
+            let ours = closed_form(&Section::circle(0.1), &STEEL, 1570.796, r).unwrap() * 1e6;
+            assert!((ours - u).abs() < 6e-4, "{k}: {ours} {u}");
+        }
+    }
+
+    #[test]
+    fn polynomials_reach_circles_but_not_bores() {
+        let error = |section: Section, order| polynomial_error(&section, &STEEL, order).unwrap();
+        for order in 3..=5 {
+            assert!(error(Section::circle(0.1), order).abs() < 1e-12);
+        }
+        // numpy model, same problem: cubic section, tubes of three walls
+        for (inner, expected, tolerance) in [(0.15, -0.139, 5e-4), (0.1, -0.26, 5e-3), (0.19, -0.007, 5e-4)] {
+            let e = error(Section::tube(0.2, inner), 3);
+            assert!((e - expected).abs() < tolerance, "{inner}: {e}");
+        }
+        assert!(error(Section::tube(0.2, 0.15), 5).abs() < 0.01);
+    }
+}

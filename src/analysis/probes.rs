@@ -1,0 +1,186 @@
+//! States at material points: displacement, strain and stress from the coordinates of a shaft.
+
+use crate::assembly::Assembly;
+use crate::element::basis::{derivative, evaluate, lagrange};
+use crate::element::nonlinear::stress_at;
+use crate::model::{Element, Model};
+use crate::results::{PointState, ProbeState, Profile, Stress};
+use crate::section::{Section, Shape};
+use crate::vectors::exponents;
+use nalgebra::{Matrix3, Vector3};
+
+/// Points of a profile.
+const PROFILE: usize = 17;
+/// Points of an outline.
+const OUTLINE: usize = 96;
+
+/// The element at a position (the left one at a common end).
+fn element_at(model: &Model, x: f64) -> &Element {
+    let tolerance = 1e-9 * model.length;
+    let inside = |e: &&Element| x <= e.x + e.length + tolerance;
+    model.elements.iter().find(inside).unwrap_or(&model.elements[model.elements.len() - 1])
+}
+
+/// Position (m) and deformation gradient of the point `(x, y, z)` for coordinates q.
+fn position(
+    assembly: &Assembly<'_>,
+    q: &[f64],
+    e: &Element,
+    [x, y, z]: [f64; 3],
+) -> (Vector3<f64>, Matrix3<f64>) {
+    let r = assembly.model.reference_length;
+    let xi = (2.0 * (x - e.x) / e.length - 1.0).clamp(-1.0, 1.0);
+    let (eta, zeta) = (y / r, z / r);
+    let power = |base: f64, n: usize| base.powi(n as i32) / (1..=n).map(|k| k as f64).product::<f64>();
+    let lower = |base: f64, n: usize| if n > 0 { power(base, n - 1) / r } else { 0.0 };
+    let (mut place, mut gradient) = (Vector3::zeros(), Matrix3::zeros());
+    for (i, l) in lagrange(e.kind.axial_degree).iter().enumerate() {
+        let (value, slope) = (evaluate(l, xi), evaluate(&derivative(l), xi) * 2.0 / e.length);
+        for (k, (a, b)) in exponents(e.kind.section_order).into_iter().enumerate() {
+            let at = assembly.numbering.index(e.first_node + i, k, 0);
+            let vector = Vector3::new(q[at], q[at + 1], q[at + 2]);
+            place += vector * (value * power(eta, a) * power(zeta, b));
+            let row = [
+                slope * power(eta, a) * power(zeta, b),
+                value * lower(eta, a) * power(zeta, b),
+                value * power(eta, a) * lower(zeta, b),
+            ];
+            for (c, weight) in row.into_iter().enumerate() {
+                let column = gradient.column(c) + vector * weight;
+                gradient.set_column(c, &column);
+            }
+        }
+    }
+    (place, gradient)
+}
+
+/// xx, yy, zz, xy, xz, yz of a symmetric tensor.
+fn components(t: &Matrix3<f64>) -> [f64; 6] {
+    [t[(0, 0)], t[(1, 1)], t[(2, 2)], t[(0, 1)], t[(0, 2)], t[(1, 2)]]
+}
+
+/// State of the point `(x, y, z)` of the undeformed shaft.
+pub fn point_state(assembly: &Assembly<'_>, q: &[f64], [x, y, z]: [f64; 3]) -> PointState {
+    let model = assembly.model;
+    let e = element_at(model, x);
+    let (place, f) = position(assembly, q, e, [x, y, z]);
+    let strain = (f.transpose() * f - Matrix3::identity()) / 2.0;
+    let second_piola =
+        stress_at(e.kind.law, &model.sections[e.section], &model.materials[e.material], &strain);
+    let cauchy = f * second_piola * f.transpose() / f.determinant();
+    let i1 = cauchy.trace();
+    let deviator = cauchy - Matrix3::identity() * (i1 / 3.0);
+    let displacement = place - Vector3::new(x, y, z);
+    PointState {
+        y_m: y,
+        z_m: z,
+        displacement_m: displacement.into(),
+        strain: components(&strain),
+        second_piola_pa: components(&second_piola),
+        stress_pa: Stress {
+            cauchy: components(&cauchy),
+            von_mises: (1.5 * deviator.norm_squared()).sqrt(),
+            i1,
+            i2: (i1 * i1 - (cauchy * cauchy).trace()) / 2.0,
+            i3: cauchy.determinant(),
+        },
+    }
+}
+
+/// Displacement of a point.
+pub fn displacement(assembly: &Assembly<'_>, q: &[f64], point: [f64; 3]) -> [f64; 3] {
+    let (place, _) = position(assembly, q, element_at(assembly.model, point[0]), point);
+    (place - Vector3::from(point)).into()
+}
+
+/// The probes of the model.
+pub fn probe_states(assembly: &Assembly<'_>, q: &[f64]) -> Vec<ProbeState> {
+    let state = |x: f64, [y, z]: [f64; 2]| point_state(assembly, q, [x, y, z]);
+    assembly
+        .model
+        .probes
+        .iter()
+        .map(|probe| {
+            let mut points: Vec<PointState> = probe.points.iter().map(|&p| state(probe.x, p)).collect();
+            let point = if points.len() == 1 { points.pop() } else { None };
+            ProbeState { name: probe.name.clone(), at_m: probe.x, point, points }
+        })
+        .collect()
+}
+
+/// The section at mid-length.
+pub fn mid_section(model: &Model) -> (f64, Section, usize) {
+    let x = model.length / 2.0;
+    let e = element_at(model, x);
+    (x, model.sections[e.section], e.material)
+}
+
+/// States along y and z of the section at mid-length, and its deformed outline.
+pub fn profile(assembly: &Assembly<'_>, q: &[f64]) -> Profile {
+    let (x, section, _) = mid_section(assembly.model);
+    let along = |axis: usize| {
+        let (from, to) = (section.inner[axis], section.outer[axis]);
+        (0..PROFILE)
+            .map(|k| {
+                let mut point = [x, 0.0, 0.0];
+                point[1 + axis] = from + (to - from) * k as f64 / (PROFILE - 1) as f64;
+                point_state(assembly, q, point)
+            })
+            .collect()
+    };
+    let outlines: Vec<Vec<[f64; 2]>> = [false, true]
+        .into_iter()
+        .filter(|&inner| !inner || section.is_hollow())
+        .map(|inner| section.outline(inner, OUTLINE))
+        .collect();
+    let centre = section_centre(assembly, q, x, &section);
+    let moved = |&[y, z]: &[f64; 2]| {
+        let u = displacement(assembly, q, [x, y, z]);
+        [u[1] - centre[1], u[2] - centre[2]]
+    };
+    let outline_displacements = outlines.iter().map(|line| line.iter().map(moved).collect()).collect();
+    Profile { at_m: x, along_y: along(0), along_z: along(1), outlines, outline_displacements }
+}
+
+/// Mean displacement of four opposite surface points: the section's centre, also where a bore is.
+pub fn section_centre(assembly: &Assembly<'_>, q: &[f64], x: f64, section: &Section) -> [f64; 3] {
+    let [cy, cz] = section.outer;
+    let mut mean = [0.0; 3];
+    for [y, z] in [[cy, 0.0], [-cy, 0.0], [0.0, cz], [0.0, -cz]] {
+        let u = displacement(assembly, q, [x, y, z]);
+        mean.iter_mut().zip(u).for_each(|(m, u)| *m += u / 4.0);
+    }
+    mean
+}
+
+/// Growth of the outer half extents along y and z: half the change of the distance between opposite points.
+pub fn growth(assembly: &Assembly<'_>, q: &[f64], x: f64, section: &Section) -> [f64; 2] {
+    [0, 1].map(|axis| {
+        let c = section.outer[axis];
+        let place = |side: f64| {
+            let mut point = [x, 0.0, 0.0];
+            point[1 + axis] = side * c;
+            Vector3::from(point) + Vector3::from(displacement(assembly, q, point))
+        };
+        (place(1.0) - place(-1.0)).norm() / 2.0 - c
+    })
+}
+
+/// Largest principal Green-Lagrange strain, by size, at three stations of every element, on its outline and axis.
+pub fn largest_strain(assembly: &Assembly<'_>, q: &[f64]) -> f64 {
+    let model = assembly.model;
+    let mut largest: f64 = 0.0;
+    for e in &model.elements {
+        let section = &model.sections[e.section];
+        let mut points = section.outline(false, if section.shape == Shape::Rectangle { 8 } else { 12 });
+        points.extend(if section.is_hollow() { section.outline(true, 12) } else { vec![[0.0; 2]] });
+        for share in [0.0, 0.5, 1.0] {
+            for &[y, z] in &points {
+                let (_, f) = position(assembly, q, e, [e.x + share * e.length, y, z]);
+                let strain = (f.transpose() * f - Matrix3::identity()) / 2.0;
+                largest = largest.max(strain.symmetric_eigenvalues().amax());
+            }
+        }
+    }
+    largest
+}

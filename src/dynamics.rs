@@ -1,0 +1,556 @@
+//! Equations of motion of the driven shaft in the free coordinates, in the frame that turns with the drive or
+//! in the inertial one, with the solver for Newton corrections.
+//!
+//! With a node turning by Theta(t), `q = (I (x) R(Theta)) s`, Omega = dTheta/dt and `J s = e_x x s`:
+//!
+//! ```text
+//!     M (s'' + 2 Omega J s' + (dOmega/dt J + Omega^2 J^2) s) + alpha M v + F(s, s') + bearings = R^T f
+//! ```
+//!
+//! In the rotating frame every node turns; in the inertial frame only the driven ones do, whose constraints
+//! are then constant in their own turned coordinates. Both are exact. Source: docs/theory.md sections 5 and 7.
+
+use crate::assembly::Assembly;
+use crate::drive::{Drive, Turn};
+use crate::error::Result;
+use crate::forces::{Forces, ScalarMass, Workspace};
+use crate::linalg::factor::Ldlt;
+use crate::linalg::lu::Factor;
+use crate::linalg::sparse::{Sparse, combine};
+use crate::loads::{dead_loads, weight};
+use crate::model::{Frame, Model, SupportKind};
+use crate::support::{displacement_weights, drives};
+use crate::vectors::exponents;
+use faer::Mat;
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+/// How a Newton matrix follows the motion of a node's section.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Following {
+    /// The whole rotation of the section.
+    Rotation,
+    /// Its rotation about the shaft axis: a support holds the rest.
+    Spin,
+    /// None: the constraints are those of fixed components.
+    Nothing,
+}
+
+/// Where a node's coordinates are and how they turn.
+struct NodePlace {
+    start: usize,
+    end: usize,
+    /// Turns relative to the frame of the unknowns.
+    turned: bool,
+    following: Following,
+}
+
+/// A linear bearing: weights of the vectors of its node.
+struct BearingLaw {
+    vectors: Vec<(usize, f64)>,
+    stiffness: [[f64; 2]; 2],
+    damping: [[f64; 2]; 2],
+}
+
+/// What happened at the last evaluation of the equations.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Powers {
+    /// Torque of the drive about x (with that of any other constraint), N m.
+    pub torque: f64,
+    /// Power of the internal forces, W; computed with material damping only.
+    pub internal: f64,
+    /// Power absorbed by external damping, W.
+    pub external: f64,
+    /// Power absorbed by the bearings, W.
+    pub bearings: f64,
+}
+
+/// Energies and momentum of a state.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct State {
+    /// Kinetic energy, J.
+    pub kinetic: f64,
+    /// Strain energy, J.
+    pub strain: f64,
+    /// Potential of gravity and dead loads, zero in the undeformed shaft at angle zero, J.
+    pub potential: f64,
+    /// Angular momentum about x, kg m^2/s.
+    pub angular_momentum: f64,
+}
+
+/// Work that was done.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Counts {
+    /// Evaluations of the nonlinear forces.
+    pub force_evaluations: usize,
+    /// Newton matrices factorised.
+    pub factorizations: usize,
+    /// Of those, with the tangent of the present state.
+    pub tangents: usize,
+    /// Corrections solved.
+    pub solves: usize,
+}
+
+/// A factorised Newton matrix `c_a M + c_v C + c_k K`.
+pub struct NewtonMatrix {
+    factor: Factor,
+    /// Built from the undeformed shaft: turns with each node's section.
+    follows: bool,
+    /// Its coefficients (c_k, c_v, c_a) and the spin speed it was made for.
+    pub made_for: ([f64; 3], f64),
+}
+
+/// Equations of motion with their memory.
+pub struct Dynamics<'a> {
+    /// The assembly.
+    pub assembly: &'a Assembly<'a>,
+    /// The drive.
+    pub drive: Drive,
+    /// Frame of the unknowns.
+    pub frame: Frame,
+    /// Work done so far.
+    pub counts: Counts,
+    /// Powers at the last evaluation.
+    pub powers: Powers,
+    forces: Forces<'a>,
+    mass: ScalarMass,
+    external: Option<ScalarMass>,
+    viscous: bool,
+    bearings: Vec<BearingLaw>,
+    reference: Vec<f64>,
+    load: Vec<f64>,
+    nodes: Vec<NodePlace>,
+    linear: Linear,
+    reflections: Vec<Vec<f64>>,
+    mass_factor: Ldlt<f64>,
+    work: Workspace,
+    memory: Memory,
+}
+
+/// Matrices of the undeformed shaft in the free coordinates.
+struct Linear {
+    mass: Sparse,
+    momentum: Sparse,
+    centrifugal: Sparse,
+    stiffness: Sparse,
+    damping: Option<Sparse>,
+    external: Option<Sparse>,
+}
+
+/// All coordinates at the last evaluation.
+#[derive(Default)]
+struct Memory {
+    /// Position in the unknowns' own coordinates, in the frame, their rates and accelerations.
+    own: Vec<f64>,
+    position: Vec<f64>,
+    rate: Vec<f64>,
+    velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+    residual: Vec<f64>,
+    inertia: Vec<f64>,
+    damping: Vec<f64>,
+    frames: Vec<Matrix3<f64>>,
+}
+
+impl<'a> Dynamics<'a> {
+    /// Prepares the equations of a model with its drive.
+    ///
+    /// # Errors
+    /// An element without nonlinear form, or a singular mass matrix.
+    pub fn new(assembly: &'a Assembly<'a>, drive: Drive, frame: Frame) -> Result<Self> {
+        let (model, numbering) = (assembly.model, &assembly.numbering);
+        let forces = Forces::new(assembly)?;
+        let mass = ScalarMass::new(model);
+        let mut load = dead_loads(model, numbering);
+        if model.has_gravity() {
+            load.iter_mut().zip(weight(model, numbering, &mass)).for_each(|(f, w)| *f += w);
+        }
+        let nodes = (0..model.nodes.len())
+            .map(|node| {
+                let range = numbering.of_node(node);
+                let turned = frame == Frame::Inertial && drives(model, node);
+                NodePlace { start: range.start, end: range.end, turned, following: following(model, node) }
+            })
+            .collect();
+        let bearings = model
+            .bearings
+            .iter()
+            .map(|b| {
+                let weights = displacement_weights(model, b.node, b.acts_on).into_iter().enumerate();
+                let vectors = weights.filter(|(_, w)| *w != 0.0);
+                BearingLaw {
+                    vectors: vectors.map(|(k, w)| (numbering.index(b.node, k, 0), w)).collect(),
+                    stiffness: b.stiffness,
+                    damping: b.damping,
+                }
+            })
+            .collect();
+        let linear = Linear {
+            mass: assembly.mass(),
+            momentum: assembly.angular_momentum(),
+            centrifugal: assembly.centrifugal(),
+            stiffness: assembly.mean_stiffness(),
+            damping: (assembly.has_material_damping() || !model.bearings.is_empty())
+                .then(|| assembly.mean_damping()),
+            external: model
+                .materials
+                .iter()
+                .any(|m| m.mass_damping != 0.0)
+                .then(|| assembly.external_momentum()),
+        };
+        let external = linear.external.is_some().then(|| ScalarMass::external_damping(model));
+        Ok(Self {
+            reference: forces.reference(),
+            mass_factor: Ldlt::new(&linear.mass)?,
+            viscous: model.materials.iter().any(|m| m.stiffness_damping != 0.0),
+            reflections: reflections(assembly),
+            assembly,
+            drive,
+            frame,
+            counts: Counts::default(),
+            powers: Powers::default(),
+            forces,
+            mass,
+            external,
+            bearings,
+            load,
+            nodes,
+            linear,
+            work: Workspace::default(),
+            memory: Memory::default(),
+        })
+    }
+
+    /// Number of unknowns.
+    pub fn size(&self) -> usize {
+        self.assembly.size()
+    }
+
+    /// True when the equations dissipate: material, external or bearing damping.
+    pub fn is_damped(&self) -> bool {
+        self.viscous || self.external.is_some() || !self.bearings.is_empty()
+    }
+
+    /// True when there is material damping.
+    pub fn is_viscous(&self) -> bool {
+        self.viscous
+    }
+
+    /// True when the free coordinates of turned nodes keep a constant mass matrix, as an explicit integrator
+    /// in the inertial frame needs.
+    pub fn has_constant_mass(&self) -> bool {
+        self.nodes.iter().filter(|n| n.turned).all(|n| {
+            // only axial components are free
+            let free = self.assembly.free_among(n.start..n.end);
+            free.into_iter().all(|i| (i - n.start) % 3 == 0)
+        })
+    }
+
+    /// Position, velocity and acceleration of all coordinates in the frame of evaluation.
+    fn move_to(&mut self, turn: Turn, z: &[f64], v: &[f64], a: &[f64]) {
+        let m = &mut self.memory;
+        let n = self.reference.len();
+        for list in [&mut m.own, &mut m.rate, &mut m.acceleration] {
+            list.resize(n, 0.0);
+        }
+        self.assembly.expand_into(z, &mut m.own);
+        self.assembly.expand_into(v, &mut m.rate);
+        self.assembly.expand_into(a, &mut m.acceleration);
+        m.own.iter_mut().zip(&self.reference).for_each(|(s, q0)| *s += q0);
+        m.position.clone_from(&m.own);
+        m.velocity.clone_from(&m.rate);
+        let Turn { angle, speed, acceleration } = turn;
+        let (sin, cos) = angle.sin_cos();
+        let rotating = self.frame == Frame::Rotating;
+        for node in self.nodes.iter().filter(|n| rotating || n.turned) {
+            for at in (node.start..node.end).step_by(3) {
+                let (y, z) = (m.own[at + 1], m.own[at + 2]);
+                let (vy, vz) = (m.rate[at + 1], m.rate[at + 2]);
+                m.velocity[at + 1] -= speed * z;
+                m.velocity[at + 2] += speed * y;
+                let square = speed * speed;
+                m.acceleration[at + 1] -= 2.0 * speed * vz + acceleration * z + square * y;
+                m.acceleration[at + 2] += 2.0 * speed * vy + acceleration * y - square * z;
+                if node.turned {
+                    for list in [&mut m.position, &mut m.velocity, &mut m.acceleration] {
+                        turn_pair(&mut list[at..], sin, cos);
+                    }
+                }
+            }
+        }
+        if !rotating {
+            m.rate.clone_from(&m.velocity);
+        }
+    }
+
+    /// Forces out of balance in the unknowns' own coordinates, kept for [`Self::correct`] and [`Self::project`].
+    pub fn evaluate(&mut self, t: f64, z: &[f64], v: &[f64], a: &[f64]) {
+        let turn = self.drive.at(t);
+        self.move_to(turn, z, v, a);
+        self.counts.force_evaluations += 1;
+        let m = &mut self.memory;
+        let n = self.reference.len();
+        for list in [&mut m.residual, &mut m.inertia, &mut m.damping] {
+            list.resize(n, 0.0);
+        }
+        let rate = self.viscous.then_some(&m.rate[..]);
+        self.forces.internal_force(&m.position, rate, &mut m.residual, &mut self.work);
+        self.powers.internal = if self.viscous { dot(&m.rate, &m.residual) } else { 0.0 };
+        // everything but the internal forces, which carry no moment
+        self.mass.multiply(&m.acceleration, &mut m.inertia);
+        self.powers.external = 0.0;
+        if let Some(external) = &self.external {
+            external.multiply(&m.velocity, &mut m.damping);
+            self.powers.external = dot(&m.velocity, &m.damping);
+            m.inertia.iter_mut().zip(&m.damping).for_each(|(f, d)| *f += d);
+        }
+        let (sin, cos) = if self.frame == Frame::Rotating { turn.angle.sin_cos() } else { (0.0, 1.0) };
+        self.powers.bearings = 0.0;
+        for bearing in &self.bearings {
+            let felt = |list: &[f64]| {
+                let sum = |c: usize| bearing.vectors.iter().map(|(at, w)| w * list[at + c]).sum::<f64>();
+                // in the fixed directions
+                let (y, z) = (sum(1), sum(2));
+                [cos * y - sin * z, sin * y + cos * z]
+            };
+            let (p, v) = (felt(&m.position), felt(&m.velocity));
+            let (k, c) = (&bearing.stiffness, &bearing.damping);
+            let force = [0, 1].map(|i| (0..2).map(|j| k[i][j] * p[j] + c[i][j] * v[j]).sum::<f64>());
+            self.powers.bearings += force[0] * v[0] + force[1] * v[1];
+            let force = [cos * force[0] + sin * force[1], cos * force[1] - sin * force[0]];
+            for &(at, w) in &bearing.vectors {
+                m.inertia[at + 1] += w * force[0];
+                m.inertia[at + 2] += w * force[1];
+            }
+        }
+        for (f, load) in m.inertia.chunks_exact_mut(3).zip(self.load.chunks_exact(3)) {
+            f[0] -= load[0];
+            f[1] -= cos * load[1] + sin * load[2];
+            f[2] -= cos * load[2] - sin * load[1];
+        }
+        let moment = |(s, f): (&[f64], &[f64])| s[1] * f[2] - s[2] * f[1];
+        self.powers.torque = m.position.chunks_exact(3).zip(m.inertia.chunks_exact(3)).map(moment).sum();
+        m.residual.iter_mut().zip(&m.inertia).for_each(|(r, f)| *r += f);
+        let (sin, cos) = turn.angle.sin_cos();
+        for node in self.nodes.iter().filter(|n| n.turned) {
+            for at in (node.start..node.end).step_by(3) {
+                turn_pair(&mut m.residual[at..], -sin, cos);
+            }
+        }
+    }
+
+    /// The forces of the last evaluation on the free coordinates.
+    pub fn project(&self, g: &mut [f64]) {
+        self.assembly.project(&self.memory.residual, g);
+    }
+
+    /// Forces of the supports on all coordinates at the last evaluation, in fixed directions: resultant at each
+    /// constrained node, `(node, [x, y, z])`, N.
+    pub fn reactions(&self, t: f64) -> Vec<(usize, [f64; 3])> {
+        let (sin, cos) = self.drive.at(t).angle.sin_cos();
+        let mut list: Vec<(usize, [f64; 3])> = Vec::new();
+        for node in self.assembly.constrained_nodes() {
+            if list.last().is_some_and(|(last, _)| *last == node) {
+                continue;
+            }
+            let place = &self.nodes[node];
+            let mut f: [f64; 3] = std::array::from_fn(|c| self.memory.residual[place.start + c]);
+            if self.frame == Frame::Rotating || place.turned {
+                turn_pair(&mut f, sin, cos);
+            }
+            list.push((node, f));
+        }
+        list
+    }
+
+    /// Accelerations that balance the forces: `z'' = -M^-1 g(t, z, z', 0)`.
+    pub fn acceleration(&mut self, t: f64, z: &[f64], v: &[f64], a: &mut [f64]) {
+        a.fill(0.0);
+        self.evaluate(t, z, v, a);
+        self.project(a);
+        let mut x = Mat::from_fn(a.len(), 1, |i, _| -a[i]);
+        self.mass_factor.solve_in_place(x.as_mut());
+        self.counts.solves += 1;
+        a.iter_mut().enumerate().for_each(|(i, a)| *a = x[(i, 0)]);
+    }
+
+    /// Newton matrix for `z = z0 + c_k x, z' = v0 + c_v x, z'' = a0 + c_a x`: of the undeformed shaft, turned with
+    /// every node's section, or with the tangent of the state `z` (no rotation, any deformation).
+    ///
+    /// # Errors
+    /// A singular matrix.
+    pub fn newton_matrix(
+        &mut self,
+        t: f64,
+        coefficients: [f64; 3],
+        state: Option<&[f64]>,
+    ) -> Result<NewtonMatrix> {
+        let [c_k, c_v, c_a] = coefficients;
+        let Turn { speed, acceleration, angle } = self.drive.at(t);
+        self.counts.factorizations += 1;
+        let l = &self.linear;
+        let current = state.map(|z| {
+            let mut q = self.assembly.expand(z);
+            q.iter_mut().zip(&self.reference).for_each(|(q, q0)| *q += q0);
+            let (sin, cos) = angle.sin_cos();
+            for node in self.nodes.iter().filter(|n| n.turned) {
+                for at in (node.start..node.end).step_by(3) {
+                    turn_pair(&mut q[at..], sin, cos);
+                }
+            }
+            (self.forces.tangent(&q, Vec::new()), self.assembly.bearing_stiffness())
+        });
+        let mut terms: Vec<(f64, &Sparse)> = vec![(c_a, &l.mass)];
+        match &current {
+            Some((tangent, bearings)) => terms.extend([(c_k, tangent), (c_k, bearings)]),
+            None => terms.push((c_k, &l.stiffness)),
+        }
+        if let Some(damping) = &l.damping {
+            terms.push((c_v, damping));
+        }
+        if self.frame == Frame::Rotating && speed.abs().max(acceleration.abs()) > 0.0 {
+            terms.push((2.0 * speed * c_v + acceleration * c_k, &l.momentum));
+            terms.push((speed * speed * c_k, &l.centrifugal));
+            if let Some(external) = &l.external {
+                terms.push((speed * c_k, external));
+            }
+        }
+        self.counts.tangents += usize::from(current.is_some());
+        let a = combine(&terms);
+        let factor = Factor::new(&a, if current.is_some() { &[] } else { &self.reflections })?;
+        Ok(NewtonMatrix { factor, follows: current.is_none(), made_for: (coefficients, speed) })
+    }
+
+    /// Rotations of the sections at the state of the last evaluation, for the matrices that follow them.
+    pub fn follow_sections(&mut self) {
+        let own = &self.memory.own;
+        let frames = self.nodes.iter().enumerate().map(|(node, place)| match place.following {
+            Following::Rotation => self.forces.section_frame(own, node),
+            Following::Spin => {
+                let [y, z] = [place.start + 3, place.start + 6];
+                let twist = (own[y + 2] - own[z + 1]).atan2(own[y + 1] + own[z + 2]);
+                Rotation3::from_axis_angle(&Vector3::x_axis(), twist).into_inner()
+            }
+            Following::Nothing => Matrix3::identity(),
+        });
+        self.memory.frames = frames.collect();
+    }
+
+    /// `x := -A^-1 g` for the forces of the last evaluation.
+    pub fn correct(&mut self, matrix: &NewtonMatrix, x: &mut [f64]) {
+        self.counts.solves += 1;
+        let m = &mut self.memory;
+        if matrix.follows {
+            for (node, frame) in self.nodes.iter().zip(&m.frames) {
+                let back = frame.transpose();
+                turn_vectors(&mut m.residual[node.start..node.end], &back);
+            }
+        }
+        self.assembly.project(&m.residual, x);
+        let mut answer = Mat::from_fn(x.len(), 1, |i, _| -x[i]);
+        matrix.factor.solve_in_place(&mut answer);
+        x.iter_mut().enumerate().for_each(|(i, x)| *x = answer[(i, 0)]);
+        if matrix.follows {
+            self.assembly.expand_into(x, &mut m.residual);
+            for (node, frame) in self.nodes.iter().zip(&m.frames) {
+                turn_vectors(&mut m.residual[node.start..node.end], frame);
+            }
+            self.assembly.restrict_into(&m.residual, x);
+        }
+    }
+
+    /// Energies and angular momentum of a state.
+    pub fn state(&mut self, t: f64, z: &[f64], v: &[f64]) -> State {
+        let turn = self.drive.at(t);
+        let zero = vec![0.0; z.len()];
+        self.move_to(turn, z, v, &zero);
+        let m = &mut self.memory;
+        let n = self.reference.len();
+        m.residual.resize(n, 0.0);
+        m.inertia.resize(n, 0.0);
+        let strain = self.forces.internal_force(&m.position, None, &mut m.residual, &mut self.work);
+        self.mass.multiply(&m.velocity, &mut m.inertia);
+        let moment = |(s, p): (&[f64], &[f64])| s[1] * p[2] - s[2] * p[1];
+        let (sin, cos) = if self.frame == Frame::Rotating { turn.angle.sin_cos() } else { (0.0, 1.0) };
+        let mut potential = 0.0;
+        for ((q, q0), f) in
+            m.position.chunks_exact(3).zip(self.reference.chunks_exact(3)).zip(self.load.chunks_exact(3))
+        {
+            let (y, z) = (cos * q[1] - sin * q[2], sin * q[1] + cos * q[2]);
+            potential -= f[0] * (q[0] - q0[0]) + f[1] * (y - q0[1]) + f[2] * (z - q0[2]);
+        }
+        State {
+            kinetic: dot(&m.velocity, &m.inertia) / 2.0,
+            strain,
+            potential,
+            angular_momentum: m.position.chunks_exact(3).zip(m.inertia.chunks_exact(3)).map(moment).sum(),
+        }
+    }
+
+    /// All coordinates of a state in the frame of the unknowns' evaluation (the rotating frame, or the inertial
+    /// one) and their displacement from the undeformed shaft turned by the drive's angle, in turned directions.
+    pub fn coordinates(&self, t: f64, z: &[f64]) -> Vec<f64> {
+        let mut q = self.assembly.expand(z);
+        q.iter_mut().zip(&self.reference).for_each(|(q, q0)| *q += q0);
+        if self.frame == Frame::Inertial {
+            // seen from the turning frame
+            let (sin, cos) = self.drive.at(t).angle.sin_cos();
+            for node in self.nodes.iter().filter(|n| !n.turned) {
+                for at in (node.start..node.end).step_by(3) {
+                    turn_pair(&mut q[at..], -sin, cos);
+                }
+            }
+        }
+        q
+    }
+}
+
+/// Turns the y and z components of a vector by an angle.
+fn turn_pair(v: &mut [f64], sin: f64, cos: f64) {
+    (v[1], v[2]) = (cos * v[1] - sin * v[2], sin * v[1] + cos * v[2]);
+}
+
+/// Turns every vector of a node.
+fn turn_vectors(vectors: &mut [f64], rotation: &Matrix3<f64>) {
+    for v in vectors.chunks_exact_mut(3) {
+        let turned = rotation * Vector3::new(v[0], v[1], v[2]);
+        v.copy_from_slice(turned.as_slice());
+    }
+}
+
+/// Which rotations leave the constraints of a node as they are.
+fn following(model: &Model, node: usize) -> Following {
+    let mut result = Following::Rotation;
+    for support in model.supports.iter().filter(|s| s.node == node) {
+        result = match support.kind {
+            SupportKind::Fix(_) => return Following::Nothing,
+            SupportKind::Pinned(_) => result,
+            _ => Following::Spin,
+        };
+    }
+    // a rigid hub clears higher vectors, which any rotation respects
+    result
+}
+
+/// Signs of the free coordinates under reflection in the planes z = 0 and y = 0.
+fn reflections(assembly: &Assembly<'_>) -> Vec<Vec<f64>> {
+    let (model, numbering) = (assembly.model, &assembly.numbering);
+    [2, 1]
+        .into_iter()
+        .map(|normal| {
+            let mut signs = vec![1.0; numbering.len()];
+            for (node, at) in model.nodes.iter().enumerate() {
+                for (k, (a, b)) in exponents(5).into_iter().take(at.n_vectors).enumerate() {
+                    for c in 0..3 {
+                        let odd = (if normal == 2 { b } else { a }) + usize::from(c == normal);
+                        signs[numbering.index(node, k, c)] = if odd % 2 == 1 { -1.0 } else { 1.0 };
+                    }
+                }
+            }
+            assembly.restrict(&signs)
+        })
+        .collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

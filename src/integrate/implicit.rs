@@ -1,0 +1,771 @@
+//! Implicit integrators of `M z'' = g(t, z, z')` in second-order form: every system solved is n x n.
+//!
+//! - ESDIRK4(3), the six-stage method ARK4(3)6L[2]SA of Kennedy and Carpenter (Appl. Numer. Math. 44, 2003): order 4,
+//!   embedded order 3, L-stable, stiffly accurate; its own error estimate.
+//! - Generalized-alpha of Chung and Hulbert (J. Appl. Mech. 60, 1993): order 2, numerical damping set by the
+//!   spectral radius at infinity; error from the change of acceleration.
+//!
+//! Newton's method is modified: a factorised matrix serves until steps, speed or convergence ask for another.
+
+use crate::dynamics::{Dynamics, NewtonMatrix};
+use crate::error::{Error, Result};
+use nalgebra::{DMatrix, DVector};
+use std::collections::VecDeque;
+use std::ops::ControlFlow;
+
+const GAMMA: f64 = 0.25;
+const STAGES: usize = 6;
+const C: [f64; STAGES] = [0.0, 0.5, 83.0 / 250.0, 31.0 / 50.0, 17.0 / 20.0, 1.0];
+const A: [[f64; 5]; STAGES] = [
+    [0.0; 5],
+    [0.25, 0.0, 0.0, 0.0, 0.0],
+    [8611.0 / 62500.0, -1743.0 / 31250.0, 0.0, 0.0, 0.0],
+    [5012029.0 / 34652500.0, -654441.0 / 2922500.0, 174375.0 / 388108.0, 0.0, 0.0],
+    [
+        15267082809.0 / 155376265600.0,
+        -71443401.0 / 120774400.0,
+        730878875.0 / 902184768.0,
+        2285395.0 / 8070912.0,
+        0.0,
+    ],
+    [82889.0 / 524892.0, 0.0, 15625.0 / 83664.0, 69875.0 / 102672.0, -2260.0 / 8211.0],
+];
+/// Weights of the step, which are the last stage's.
+const B: [f64; STAGES] =
+    [82889.0 / 524892.0, 0.0, 15625.0 / 83664.0, 69875.0 / 102672.0, -2260.0 / 8211.0, GAMMA];
+/// Weights of the embedded method of order 3.
+const EMBEDDED: [f64; STAGES] = [
+    4586570599.0 / 29645900160.0,
+    0.0,
+    178811875.0 / 945068544.0,
+    814220225.0 / 1159782912.0,
+    -3700637.0 / 11593932.0,
+    61727.0 / 225920.0,
+];
+
+/// Share of the step's tolerance left to the Newton iteration.
+const NEWTON: f64 = 0.03;
+/// Convergence rate that is trusted without a second iteration.
+const FASTEST: f64 = 0.02;
+/// Most iterations of a stage.
+const ITERATIONS: usize = 10;
+/// Convergence rate from which a fresh matrix is worth its price.
+const SLOW: f64 = 0.25;
+/// Iterations of a stage that make a shorter step cheaper.
+const LABORIOUS: usize = 4;
+/// Steps cut in halves before the tangent of the present state is tried.
+const PATIENCE: usize = 4;
+/// Steps that a tangent serves before the undeformed shaft's matrix is tried again.
+const SERVED: usize = 20;
+/// Relative change of the matrix' coefficients it may serve for.
+const STALE: f64 = 0.1;
+/// Steps after which the number still needed is estimated.
+const SETTLED: usize = 200;
+
+/// Which method.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Method {
+    /// ESDIRK4(3).
+    Esdirk,
+    /// Generalized-alpha with that spectral radius at infinite frequency.
+    GeneralizedAlpha {
+        /// 1 for no numerical damping, 0 for the most.
+        rho_infinity: f64,
+    },
+}
+
+/// How to integrate.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    /// Method.
+    pub method: Method,
+    /// Tolerance of a step relative to the largest displacement.
+    pub rtol: f64,
+    /// Tolerance of a step, m.
+    pub atol: f64,
+    /// Fixed step, s; `None` for error control.
+    pub step: Option<f64>,
+    /// First step, s.
+    pub first_step: f64,
+    /// Most steps.
+    pub max_steps: usize,
+    /// Times that steps must end at, ascending; the last one ends the run.
+    pub stops: Vec<f64>,
+}
+
+/// Displacement, velocity and acceleration at a time.
+#[derive(Debug, Clone, Default)]
+pub struct Moment {
+    /// Time, s.
+    pub t: f64,
+    /// Free displacements, m.
+    pub z: Vec<f64>,
+    /// Their rates.
+    pub v: Vec<f64>,
+    /// Their accelerations.
+    pub a: Vec<f64>,
+}
+
+/// Energies that flowed since the start, J.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Flows {
+    /// Work of the drive.
+    pub drive: f64,
+    /// Work of the internal forces (strain energy plus material damping), with material damping only.
+    pub internal: f64,
+    /// Absorbed by external damping.
+    pub external: f64,
+    /// Absorbed by bearings.
+    pub bearings: f64,
+}
+
+/// An accepted step.
+pub struct Step<'a> {
+    /// Its start.
+    pub start: &'a Moment,
+    /// Its end.
+    pub end: &'a Moment,
+    /// Flows up to its start and its end, and torque at both.
+    pub flows: [Flows; 2],
+    /// Torque of the drive at start and end, N m.
+    pub torque: [f64; 2],
+    /// Steps so far.
+    pub steps: usize,
+}
+
+/// What the integration took.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Progress {
+    /// Accepted steps.
+    pub steps: usize,
+    /// Rejected steps (error or convergence).
+    pub rejected: usize,
+}
+
+impl Step<'_> {
+    /// Displacements and velocities within the step: the quintic that meets both ends.
+    pub fn interpolate(&self, t: f64, z: &mut [f64], v: &mut [f64]) {
+        let (start, end) = (self.start, self.end);
+        let h = end.t - start.t;
+        let s = (t - start.t) / h;
+        let (s2, s3) = (s * s, s * s * s);
+        // Hermite's polynomials of value, slope and curvature at both ends, and their derivatives
+        let value = [
+            1.0 - s3 * (10.0 - 15.0 * s + 6.0 * s2),
+            s - s3 * (6.0 - 8.0 * s + 3.0 * s2),
+            s2 / 2.0 - s3 * (1.5 - 1.5 * s + 0.5 * s2),
+            s3 * (10.0 - 15.0 * s + 6.0 * s2),
+            s3 * (-4.0 + 7.0 * s - 3.0 * s2),
+            s3 * (0.5 - s + 0.5 * s2),
+        ];
+        let slope = [
+            -30.0 * s2 * (1.0 - 2.0 * s + s2),
+            1.0 - s2 * (18.0 - 32.0 * s + 15.0 * s2),
+            s - s2 * (4.5 - 6.0 * s + 2.5 * s2),
+            30.0 * s2 * (1.0 - 2.0 * s + s2),
+            s2 * (-12.0 + 28.0 * s - 15.0 * s2),
+            s2 * (1.5 - 4.0 * s + 2.5 * s2),
+        ];
+        let scale = [1.0, h, h * h, 1.0, h, h * h];
+        for i in 0..z.len() {
+            let ends = [start.z[i], start.v[i], start.a[i], end.z[i], end.v[i], end.a[i]];
+            z[i] = (0..6).map(|k| value[k] * scale[k] * ends[k]).sum();
+            v[i] = (0..6).map(|k| slope[k] * scale[k] * ends[k]).sum::<f64>() / h;
+        }
+    }
+}
+
+/// Integrates from `start` to the last stop.
+///
+/// # Errors
+/// A step below rounding, a Newton iteration that does not converge at any step, more steps than allowed
+/// (as soon as the estimate says so), or what `on_step` returns.
+pub fn integrate(
+    dynamics: &mut Dynamics<'_>,
+    start: Moment,
+    settings: &Settings,
+    on_step: &mut dyn FnMut(&mut Dynamics<'_>, &Step<'_>, Progress) -> Result<ControlFlow<()>>,
+) -> Result<Progress> {
+    let mut run = Run::new(dynamics, start, settings);
+    let until = settings.stops.last().copied().unwrap_or(0.0);
+    let mut progress = Progress::default();
+    let mut h = settings.step.unwrap_or(settings.first_step).min(until);
+    let (mut failures, mut recent) = (0, (0.0, 0));
+    while run.now.t < until {
+        let stop = settings.stops.iter().copied().find(|&s| s > run.now.t + 1e-12 * until).unwrap_or(until);
+        // the last two steps before a stop share what is left
+        let left = stop - run.now.t;
+        let last = h >= left * (1.0 - 1e-9);
+        let taken = if last {
+            left
+        } else if settings.step.is_none() && 2.0 * h > left {
+            left / 2.0
+        } else {
+            h
+        };
+        if taken < 1e-13 * until {
+            return Err(failed(
+                format!("the integrator's step fell to {taken:.3e} s at t = {:.6e} s", run.now.t),
+                format!("{} steps, {} rejected", progress.steps, progress.rejected),
+            ));
+        }
+        let error = run.step(dynamics, taken, settings)?;
+        match error {
+            Some(error) if error <= 1.0 || run.fixed => {
+                failures = 0;
+                progress.steps += 1;
+                run.next.t = if last { stop } else { run.now.t + taken };
+                let step = run.accept(progress.steps);
+                if on_step(dynamics, &step, progress)?.is_break() {
+                    return Ok(progress);
+                }
+                run.advance();
+                let laborious = run.newton.laborious();
+                run.newton.accepted();
+                if settings.step.is_none() {
+                    let factor = (0.9 * error.max(1e-10).powf(-run.exponent)).clamp(0.2, 3.0);
+                    // shorter steps are cheaper than many iterations, or than tangents
+                    let factor = factor.min(if laborious { 0.8 } else { 3.0 });
+                    // a step that is nearly right keeps its matrix
+                    let factor = if (0.9..1.3).contains(&factor) { 1.0 } else { factor };
+                    h = if taken < h && factor >= 1.0 { h } else { taken * factor };
+                }
+                recent = if recent.1 >= SETTLED { (taken, 1) } else { (recent.0 + taken, recent.1 + 1) };
+                if progress.steps >= settings.max_steps
+                    || (progress.steps > SETTLED && recent.1 >= SETTLED / 2)
+                {
+                    let needed =
+                        progress.steps as f64 + (until - run.now.t) / (recent.0 / f64::from(recent.1 as u32));
+                    if needed > 2.0 * settings.max_steps as f64
+                        || (progress.steps >= settings.max_steps && run.now.t < until)
+                    {
+                        return Err(Error::analysis(
+                            format!(
+                                "the run would take about {needed:.1e} steps, more than spinup.max_steps = {}",
+                                settings.max_steps
+                            ),
+                            format!("{} steps to t = {:.6e} s of {until:.6e} s", progress.steps, run.now.t),
+                            "raise rtol and atol, use the rotating frame with an implicit integrator, or raise max_steps",
+                        ));
+                    }
+                }
+            }
+            Some(error) => {
+                progress.rejected += 1;
+                h = taken * (0.9 * error.powf(-run.exponent)).clamp(0.1, 0.9);
+            }
+            None => {
+                progress.rejected += 1;
+                failures += 1;
+                if failures > 12 || (settings.step.is_some() && failures > 1) {
+                    return Err(failed(
+                        format!("Newton's method does not converge at t = {:.6e} s", run.now.t),
+                        format!("a step of {taken:.3e} s, with the tangent of the present state"),
+                    ));
+                }
+                run.newton.rejected(failures);
+                h = if settings.step.is_some() { taken } else { taken / 2.0 };
+            }
+        }
+    }
+    Ok(progress)
+}
+
+fn failed(what: String, tried: String) -> Error {
+    Error::analysis(
+        what,
+        tried,
+        "check for a speed beyond burst or an unstable motion; a smaller fixed step or generalized-alpha may go on",
+    )
+}
+
+/// An integration under way.
+struct Run {
+    now: Moment,
+    next: Moment,
+    flows: [Flows; 2],
+    torque: [f64; 2],
+    /// Powers of the last evaluation: time and (drive, internal, external, bearings).
+    last_powers: (f64, [f64; 4]),
+    /// Flows counted beyond the last evaluation, by extrapolation (generalized-alpha).
+    beyond: [f64; 4],
+    /// Steps of fixed size: accepted whatever the error.
+    fixed: bool,
+    newton: Newton,
+    /// Velocities and accelerations of the stages.
+    stages: Vec<(Vec<f64>, Vec<f64>)>,
+    /// Times and accelerations of the step before, for extrapolation.
+    history: Vec<(f64, Vec<f64>)>,
+    x: Vec<f64>,
+    exponent: f64,
+}
+
+impl Run {
+    fn new(dynamics: &mut Dynamics<'_>, start: Moment, settings: &Settings) -> Self {
+        let n = start.z.len();
+        let zero = || vec![0.0; n];
+        dynamics.evaluate(start.t, &start.z, &start.v, &start.a);
+        let powers = powers(dynamics, start.t);
+        Self {
+            flows: [Flows::default(); 2],
+            torque: [dynamics.powers.torque; 2],
+            last_powers: (start.t, powers),
+            next: start.clone(),
+            beyond: [0.0; 4],
+            fixed: settings.step.is_some(),
+            newton: Newton::new(n),
+            stages: (0..STAGES).map(|_| (zero(), zero())).collect(),
+            history: vec![(start.t, start.a.clone())],
+            now: start,
+            x: zero(),
+            exponent: if settings.method == Method::Esdirk { 0.25 } else { 1.0 / 3.0 },
+        }
+    }
+
+    fn accept(&self, steps: usize) -> Step<'_> {
+        Step { start: &self.now, end: &self.next, flows: self.flows, torque: self.torque, steps }
+    }
+
+    fn advance(&mut self) {
+        std::mem::swap(&mut self.now, &mut self.next);
+        self.flows[0] = self.flows[1];
+        self.torque[0] = self.torque[1];
+    }
+
+    /// Tries a step; its error over the tolerance, or nothing when Newton's method failed.
+    fn step(&mut self, dynamics: &mut Dynamics<'_>, h: f64, settings: &Settings) -> Result<Option<f64>> {
+        let largest = self.now.z.iter().fold(0.0, |m: f64, z| m.max(z.abs()));
+        let tolerance = settings.atol + settings.rtol * largest;
+        match settings.method {
+            Method::Esdirk => self.esdirk(dynamics, h, tolerance),
+            Method::GeneralizedAlpha { rho_infinity } => {
+                self.generalized_alpha(dynamics, h, tolerance, rho_infinity)
+            }
+        }
+    }
+
+    fn esdirk(&mut self, dynamics: &mut Dynamics<'_>, h: f64, tolerance: f64) -> Result<Option<f64>> {
+        let n = self.x.len();
+        let g = GAMMA * h;
+        let (t0, now) = (self.now.t, &self.now);
+        self.stages[0].0.clone_from(&now.v);
+        self.stages[0].1.clone_from(&now.a);
+        let mut flow = self.last_powers.1.map(|p| B[0] * p);
+        let (mut z0, mut v0, zero) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        for i in 1..STAGES {
+            let t = t0 + C[i] * h;
+            for k in 0..n {
+                let (mut dz, mut dv) = (0.0, 0.0);
+                for j in 0..i {
+                    dz += A[i][j] * self.stages[j].0[k];
+                    dv += A[i][j] * self.stages[j].1[k];
+                }
+                v0[k] = now.v[k] + h * dv;
+                z0[k] = now.z[k] + h * dz + g * v0[k];
+            }
+            let known: Vec<_> = (0..i).map(|j| (t0 + C[j] * h, &self.stages[j].1)).collect();
+            extrapolate(&known, &self.history, t, &mut self.x);
+            self.x.iter_mut().for_each(|x| *x *= g * g);
+            let stage = Stage { t, z: &z0, v: &v0, a: &zero, coefficients: [1.0, 1.0 / g, 1.0 / (g * g)] };
+            if !self.newton.solve(dynamics, &stage, &mut self.x, tolerance)? {
+                return Ok(None);
+            }
+            let (v, a) = &mut self.stages[i];
+            for k in 0..n {
+                a[k] = self.x[k] / (g * g);
+                v[k] = v0[k] + g * a[k];
+            }
+            let power = powers(dynamics, t);
+            flow.iter_mut().zip(power).for_each(|(f, p)| *f += B[i] * p);
+            if i == STAGES - 1 {
+                for k in 0..n {
+                    self.next.z[k] = z0[k] + self.x[k];
+                }
+                self.next.v.clone_from(v);
+                self.next.a.clone_from(a);
+            }
+        }
+        let mut error: f64 = 0.0;
+        for k in 0..n {
+            let e: f64 = (0..STAGES).map(|j| (B[j] - EMBEDDED[j]) * self.stages[j].0[k]).sum();
+            error = error.max((h * e).abs());
+        }
+        let error = error / tolerance;
+        if !error.is_finite() {
+            return Ok(None);
+        }
+        if error <= 1.0 || self.fixed {
+            self.last_powers = (t0 + h, powers(dynamics, t0 + h));
+            self.add_flows(flow.map(|f| h * f), dynamics.powers.torque);
+            // the stages in the second half serve the next extrapolation
+            self.history.clear();
+            self.history.extend([3, 4, 5].map(|j| (t0 + C[j] * h, self.stages[j].1.clone())));
+        }
+        Ok(Some(error))
+    }
+
+    fn add_flows(&mut self, [drive, internal, external, bearings]: [f64; 4], torque: f64) {
+        let before = self.flows[0];
+        self.flows[1] = Flows {
+            drive: before.drive + drive,
+            internal: before.internal + internal,
+            external: before.external + external,
+            bearings: before.bearings + bearings,
+        };
+        self.torque[1] = torque;
+    }
+
+    fn generalized_alpha(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        h: f64,
+        tolerance: f64,
+        rho: f64,
+    ) -> Result<Option<f64>> {
+        let (alpha_m, alpha_f) = ((2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0));
+        let gamma = 0.5 - alpha_m + alpha_f;
+        let beta = (1.0 - alpha_m + alpha_f).powi(2) / 4.0;
+        let (n, now) = (self.x.len(), &self.now);
+        // x = z_(n+1) - z_n; everything at the evaluation points is affine in x
+        let c_a = 1.0 / (beta * h * h);
+        let c_v = gamma / (beta * h);
+        let (kf, km) = (1.0 - alpha_f, 1.0 - alpha_m);
+        let (mut v0, mut a0) = (vec![0.0; n], vec![0.0; n]);
+        // constants of a_(n+1) = c_a x + a_c and v_(n+1) = c_v x + v_c
+        let constants = |k: usize| {
+            let a_c = -now.v[k] / (beta * h) - (0.5 / beta - 1.0) * now.a[k];
+            (a_c, now.v[k] + h * ((1.0 - gamma) * now.a[k] + gamma * a_c))
+        };
+        for k in 0..n {
+            let (a_c, v_c) = constants(k);
+            v0[k] = kf * v_c + alpha_f * now.v[k];
+            a0[k] = km * a_c + alpha_m * now.a[k];
+        }
+        let t = now.t + kf * h;
+        extrapolate(&[(now.t, &now.a)], &self.history, now.t + h, &mut self.x);
+        for k in 0..n {
+            self.x[k] = h * now.v[k] + h * h * ((0.5 - beta) * now.a[k] + beta * self.x[k]);
+        }
+        let stage = Stage { t, z: &now.z, v: &v0, a: &a0, coefficients: [kf, kf * c_v, km * c_a] };
+        if !self.newton.solve(dynamics, &stage, &mut self.x, tolerance)? {
+            return Ok(None);
+        }
+        let now = &self.now;
+        let mut change: f64 = 0.0;
+        for k in 0..n {
+            let (a_c, v_c) = (
+                -now.v[k] / (beta * h) - (0.5 / beta - 1.0) * now.a[k],
+                now.v[k] + h * (1.0 - gamma) * now.a[k],
+            );
+            let a = c_a * self.x[k] + a_c;
+            self.next.z[k] = now.z[k] + self.x[k];
+            self.next.a[k] = a;
+            self.next.v[k] = v_c + h * gamma * a;
+            change = change.max((a - now.a[k]).abs());
+        }
+        // local error of the displacement: the algorithm's acceleration lags by (alpha_f - alpha_m) h
+        let error = h * h * (beta + (alpha_f - alpha_m) / 2.0 - 1.0 / 6.0).abs() * change / tolerance;
+        if !error.is_finite() {
+            return Ok(None);
+        }
+        if error > 1.0 && !self.fixed {
+            return Ok(Some(error));
+        }
+        // powers are known between the ends: a trapezoid from one evaluation to the next, then on to the end
+        let power = powers(dynamics, t);
+        let (before, old) = self.last_powers;
+        let (span, rest) = (t - before, self.now.t + h - t);
+        let flow = [0, 1, 2, 3].map(|i| {
+            let slope = (power[i] - old[i]) / span;
+            let beyond = rest * (power[i] + slope * rest / 2.0);
+            let flow = span * (power[i] + old[i]) / 2.0 - self.beyond[i] + beyond;
+            self.beyond[i] = beyond;
+            flow
+        });
+        self.last_powers = (t, power);
+        self.history = vec![(self.now.t, self.now.a.clone())];
+        self.add_flows(flow, dynamics.powers.torque);
+        Ok(Some(error))
+    }
+}
+
+/// Powers of the last evaluation: drive, internal, external damping, bearings, W.
+fn powers(dynamics: &Dynamics<'_>, t: f64) -> [f64; 4] {
+    let p = &dynamics.powers;
+    [p.torque * dynamics.drive.at(t).speed, p.internal, p.external, p.bearings]
+}
+
+/// Polynomial through the most recent accelerations at different times (at most four), at time t.
+fn extrapolate(known: &[(f64, &Vec<f64>)], history: &[(f64, Vec<f64>)], t: f64, a: &mut [f64]) {
+    let mut points: Vec<(f64, &Vec<f64>)> = history.iter().map(|(t, a)| (*t, a)).collect();
+    for &(at, values) in known {
+        points.retain(|(other, _)| *other != at);
+        points.push((at, values));
+    }
+    // those nearest to t are the best; equal times can't be told apart
+    points.sort_by(|p, q| (p.0 - t).abs().total_cmp(&(q.0 - t).abs()));
+    points.truncate(4);
+    a.fill(0.0);
+    for (i, (ti, values)) in points.iter().enumerate() {
+        let others = points.iter().enumerate().filter(|(j, _)| *j != i);
+        let weight: f64 = others.map(|(_, (tj, _))| (t - tj) / (ti - tj)).product();
+        a.iter_mut().zip(*values).for_each(|(a, v)| *a += weight * v);
+    }
+}
+
+/// The equations of a stage: `z + c_k x`, `v + c_v x`, `a + c_a x` at time t balance the forces.
+struct Stage<'a> {
+    t: f64,
+    z: &'a [f64],
+    v: &'a [f64],
+    a: &'a [f64],
+    coefficients: [f64; 3],
+}
+
+/// Newton's method with a matrix that is kept as long as it serves.
+struct Newton {
+    matrix: Option<NewtonMatrix>,
+    /// The undeformed shaft's matrix did not serve: use the present tangent.
+    present: bool,
+    /// Steps accepted with the present tangent.
+    served: usize,
+    /// Stages and iterations of this step.
+    effort: (usize, usize),
+    /// The last stage converged slowly.
+    slow: bool,
+    rate: f64,
+    z: Vec<f64>,
+    v: Vec<f64>,
+    a: Vec<f64>,
+    change: Vec<f64>,
+    secants: Secants,
+}
+
+impl Newton {
+    fn new(n: usize) -> Self {
+        let zero = || vec![0.0; n];
+        Self {
+            matrix: None,
+            present: false,
+            served: 0,
+            effort: (0, 0),
+            slow: false,
+            rate: 1.0,
+            z: zero(),
+            v: zero(),
+            a: zero(),
+            change: zero(),
+            secants: Secants::default(),
+        }
+    }
+
+    /// After a step: goes back to the undeformed shaft's matrix when the present tangent has served a while.
+    fn accepted(&mut self) {
+        self.effort = (0, 0);
+        if self.present {
+            self.served += 1;
+            if self.served >= SERVED {
+                (self.present, self.matrix, self.served) = (false, None, 0);
+            }
+        }
+    }
+
+    /// After a step whose iteration failed: shorter steps first, then the tangent of the present state.
+    fn rejected(&mut self, failures: usize) {
+        self.effort = (0, 0);
+        self.present |= failures >= PATIENCE;
+    }
+
+    /// True when the stages of this step took many iterations.
+    fn laborious(&self) -> bool {
+        self.effort.1 > LABORIOUS * self.effort.0
+    }
+
+    /// Solves a stage from the guess in x; false when no matrix makes the iteration converge.
+    fn solve(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        stage: &Stage<'_>,
+        x: &mut [f64],
+        tolerance: f64,
+    ) -> Result<bool> {
+        let guess = x.to_vec();
+        let mut fresh = false;
+        loop {
+            let [c_k, c_v, c_a] = stage.coefficients;
+            let serves = self.matrix.as_ref().is_some_and(|m| {
+                let ([k, _, a], speed) = m.made_for;
+                // the Coriolis terms count beside the mass
+                let turned = 2.0 * (dynamics.drive.at(stage.t).speed - speed).abs() * c_v / c_a;
+                (c_a / c_k / (a / k) - 1.0).abs() < STALE && turned < STALE
+            });
+            if !serves || (self.slow && !fresh) {
+                self.update(stage, x);
+                let state = self.present.then_some(&self.z[..]);
+                self.matrix = Some(dynamics.newton_matrix(stage.t, stage.coefficients, state)?);
+                (fresh, self.slow, self.rate) = (true, false, 1.0);
+                self.secants.clear();
+            }
+            if self.iterate(dynamics, stage, x, tolerance) {
+                return Ok(true);
+            }
+            x.copy_from_slice(&guess);
+            if fresh {
+                self.matrix = None;
+                return Ok(false);
+            }
+            self.slow = true;
+        }
+    }
+
+    fn update(&mut self, stage: &Stage<'_>, x: &[f64]) {
+        let [c_k, c_v, c_a] = stage.coefficients;
+        for k in 0..x.len() {
+            self.z[k] = stage.z[k] + c_k * x[k];
+            self.v[k] = stage.v[k] + c_v * x[k];
+            self.a[k] = stage.a[k] + c_a * x[k];
+        }
+    }
+
+    fn iterate(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        stage: &Stage<'_>,
+        x: &mut [f64],
+        tolerance: f64,
+    ) -> bool {
+        let mut before = f64::INFINITY;
+        self.effort.0 += 1;
+        for iteration in 0..ITERATIONS {
+            self.effort.1 += 1;
+            self.update(stage, x);
+            dynamics.evaluate(stage.t, &self.z, &self.v, &self.a);
+            if iteration == 0 {
+                dynamics.follow_sections();
+            }
+            let Some(matrix) = &self.matrix else { return false };
+            dynamics.correct(matrix, &mut self.change);
+            self.secants.improve(&mut self.change, iteration > 0);
+            let size =
+                self.change.iter().fold(0.0, |m: f64, d| if d.abs() >= m { d.abs() } else { m + d * 0.0 });
+            let size = size / tolerance;
+            if !size.is_finite() {
+                return false;
+            }
+            x.iter_mut().zip(&self.change).for_each(|(x, d)| *x += d);
+            if iteration > 0 {
+                self.rate = (size / before).max(0.3 * self.rate).max(FASTEST);
+                self.slow = size / before > SLOW;
+                if size / before > 0.9 {
+                    return size < NEWTON * 1e-3;
+                }
+            }
+            let rate = self.rate.min(0.9);
+            if size * rate / (1.0 - rate) < NEWTON {
+                return true;
+            }
+            before = size;
+        }
+        false
+    }
+}
+
+/// Anderson's acceleration (J. ACM 12, 1965; type II): differences of steps s and of corrections d between
+/// iterations tell how the matrix differs from the tangent. They outlive a stage: the next one starts with them.
+#[derive(Default)]
+struct Secants {
+    /// `(s, delta d)`.
+    pairs: VecDeque<(Vec<f64>, Vec<f64>)>,
+    step: Vec<f64>,
+    correction: Vec<f64>,
+}
+
+/// Pairs that are kept.
+const PAIRS: usize = 8;
+
+impl Secants {
+    fn clear(&mut self) {
+        self.pairs.clear();
+    }
+
+    /// Turns the correction d into `d - sum g_j (s_j + delta d_j)` with g the least squares solution of
+    /// `d = sum g_j delta d_j`. `follows`: the last correction belongs to the same stage.
+    fn improve(&mut self, d: &mut [f64], follows: bool) {
+        if follows {
+            let mut pair = if self.pairs.len() == PAIRS { self.pairs.pop_front() } else { None }
+                .unwrap_or_else(|| (vec![0.0; d.len()], vec![0.0; d.len()]));
+            pair.0.copy_from_slice(&self.step);
+            pair.1.iter_mut().zip(d.iter().zip(&self.correction)).for_each(|(p, (d, old))| *p = d - old);
+            self.pairs.push_back(pair);
+        }
+        self.correction.clear();
+        self.correction.extend_from_slice(d);
+        let m = self.pairs.len();
+        if m > 0 {
+            // columns of unit length: pairs differ by many decades
+            let norms: Vec<f64> =
+                self.pairs.iter().map(|(_, y)| dot(y, y).sqrt().max(f64::MIN_POSITIVE)).collect();
+            let gram = DMatrix::from_fn(m, m, |i, j| {
+                dot(&self.pairs[i].1, &self.pairs[j].1) / (norms[i] * norms[j])
+                    + if i == j { DEPENDENT } else { 0.0 }
+            });
+            let right = DVector::from_fn(m, |i, _| dot(&self.pairs[i].1, d) / norms[i]);
+            if let Some(cholesky) = gram.cholesky() {
+                let weights = cholesky.solve(&right);
+                for (j, (s, y)) in self.pairs.iter().enumerate() {
+                    let weight = weights[j] / norms[j];
+                    d.iter_mut().zip(s.iter().zip(y)).for_each(|(d, (s, y))| *d -= weight * (s + y));
+                }
+            }
+        }
+        self.step.clear();
+        self.step.extend_from_slice(d);
+    }
+}
+
+/// Regularisation of nearly dependent pairs.
+const DEPENDENT: f64 = 1e-10;
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coefficients_satisfy_the_order_conditions() {
+        let full = |i: usize, j: usize| {
+            if i == j && i > 0 {
+                GAMMA
+            } else if j < 5 {
+                A[i][j]
+            } else {
+                0.0
+            }
+        };
+        let row = |i: usize, f: &dyn Fn(usize) -> f64| (0..STAGES).map(|j| full(i, j) * f(j)).sum::<f64>();
+        let sum = |b: &[f64; STAGES], f: &dyn Fn(usize) -> f64| (0..STAGES).map(|i| b[i] * f(i)).sum::<f64>();
+        for i in 1..STAGES {
+            assert!((row(i, &|_| 1.0) - C[i]).abs() < 1e-14);
+            // stage order two
+            assert!((row(i, &|j| C[j]) - C[i] * C[i] / 2.0).abs() < 1e-14, "{i}");
+        }
+        for (b, order) in [(&B, 4), (&EMBEDDED, 3)] {
+            let conditions = [
+                (1, sum(b, &|_| 1.0) - 1.0),
+                (2, sum(b, &|i| C[i]) - 0.5),
+                (3, sum(b, &|i| C[i] * C[i]) - 1.0 / 3.0),
+                (3, sum(b, &|i| row(i, &|j| C[j])) - 1.0 / 6.0),
+                (4, sum(b, &|i| C[i].powi(3)) - 0.25),
+                (4, sum(b, &|i| C[i] * row(i, &|j| C[j])) - 0.125),
+                (4, sum(b, &|i| row(i, &|j| C[j] * C[j])) - 1.0 / 12.0),
+                (4, sum(b, &|i| row(i, &|j| row(j, &|k| C[k]))) - 1.0 / 24.0),
+            ];
+            for (of, defect) in conditions.iter().filter(|c| c.0 <= order) {
+                assert!(defect.abs() < 1e-13, "order {of}: {defect:e}");
+            }
+        }
+    }
+}

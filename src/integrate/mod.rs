@@ -1,0 +1,3 @@
+//! Time integration of the equations of motion.
+
+pub mod implicit;

@@ -1,0 +1,129 @@
+//! Loads and probes.
+
+use super::{Input, acts_on};
+use crate::case;
+use crate::error::Result;
+use crate::model::mesh::Mesh;
+use crate::model::{Load, LoadKind, Probe, Traction};
+use crate::section::{Section, Shape};
+
+/// Largest component of a force, moment, traction or acceleration, SI.
+const LARGEST: f64 = 1e30;
+
+impl Input<'_> {
+    pub(super) fn gravity(&self) -> Result<[f64; 3]> {
+        let gravity = self.case.gravity.map_or([0.0; 3], |g| g.map(|c| c.0));
+        self.bounded("gravity", gravity)?;
+        Ok(gravity)
+    }
+
+    fn bounded(&self, path: &str, vector: [f64; 3]) -> Result<()> {
+        for (i, component) in vector.into_iter().enumerate() {
+            self.within(&format!("{path}.{i}"), component.abs(), 0.0, LARGEST)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn loads(&self, mesh: &Mesh) -> Result<(Vec<Load>, Vec<Traction>)> {
+        let length: f64 = mesh.elements.iter().map(|e| e.length).sum();
+        let (mut loads, mut tractions) = (Vec::new(), Vec::new());
+        for (i, load) in self.case.loads.iter().enumerate() {
+            let path = format!("loads.{i}");
+            let local = load.force.is_some() || load.moment.is_some();
+            let spread = load.surface.is_some() && load.traction.is_some();
+            let surface_keys = load.surface.is_some() || load.traction.is_some() || load.follower.is_some();
+            let allowed = "at with force or moment; or surface with traction";
+            if local == spread || (local && surface_keys) || (spread && load.acts_on.is_some()) {
+                return self.fault(&path, "the load is incomplete or mixed", allowed);
+            }
+            if load.follower == Some(true) {
+                return self.fault(
+                    &format!("{path}.follower"),
+                    "tractions that follow the surface are not part of this version",
+                    "false: a traction that keeps its direction and acts on the undeformed area",
+                );
+            }
+            match load.at {
+                Some(at) if local => self.on_shaft(&format!("{path}.at"), at.0, length)?,
+                None if spread => {}
+                _ => {
+                    return self.fault(
+                        &format!("{path}.at"),
+                        "a force or moment acts at a place, a traction on a surface",
+                        allowed,
+                    );
+                }
+            }
+            let node = mesh.node_at(load.at.map_or(0.0, |at| at.0));
+            let acts_on = acts_on(load.acts_on);
+            if let Some(force) = load.force.map(|f| f.map(|c| c.0)) {
+                self.bounded(&format!("{path}.force"), force)?;
+                loads.push(Load { node, kind: LoadKind::Force(force), acts_on });
+            }
+            if let Some(moment) = load.moment.map(|m| m.map(|c| c.0)) {
+                self.bounded(&format!("{path}.moment"), moment)?;
+                loads.push(Load { node, kind: LoadKind::Moment(moment), acts_on });
+            }
+            if let (Some(surface), Some(traction)) = (load.surface, load.traction) {
+                let traction = traction.map(|c| c.0);
+                self.bounded(&format!("{path}.traction"), traction)?;
+                tractions.push(Traction { top: surface == case::Surface::Top, traction });
+            }
+        }
+        Ok((loads, tractions))
+    }
+
+    pub(super) fn probes(&self, mesh: &Mesh, length: f64, sections: &[Section]) -> Result<Vec<Probe>> {
+        let mut list: Vec<Probe> = Vec::new();
+        for (i, probe) in self.case.probes.iter().enumerate() {
+            let at = |key: &str| format!("probes.{i}.{key}");
+            self.on_shaft(&at("at"), probe.at.0, length)?;
+            if list.iter().any(|p| p.name == probe.name) {
+                return self.fault(
+                    &at("name"),
+                    "two probes have this name",
+                    "a name of its own for each probe",
+                );
+            }
+            let Section { shape, outer: [cy, cz], .. } = sections[mesh.section_at(probe.at.0)];
+            let points = match (probe.line, probe.points) {
+                (None, None) => {
+                    let point = [probe.y.map_or(0.0, |y| y.0), probe.z.map_or(0.0, |z| z.0)];
+                    let [y, z] = [point[0] / cy, point[1] / cz];
+                    let size = if shape == Shape::Ellipse { y.hypot(z) } else { y.abs().max(z.abs()) };
+                    if size > 1.0 + 1e-9 {
+                        let key = if probe.y.is_some() { "y" } else { "z" };
+                        return self.fault(
+                            &at(key),
+                            "the probe lies outside the section",
+                            format!("within half extents {cy} (y) and {cz} (z)"),
+                        );
+                    }
+                    vec![point]
+                }
+                (Some(line), points) if probe.y.is_none() && probe.z.is_none() => {
+                    let count = points.unwrap_or(9);
+                    if !(2..=10_000).contains(&count) {
+                        return self.fault(&at("points"), "a line needs points", "2 to 10000");
+                    }
+                    let step = |k: u32| f64::from(k) / f64::from(count - 1);
+                    (0..count)
+                        .map(|k| match line {
+                            case::Line::Y => [cy * step(k), 0.0],
+                            case::Line::Z => [0.0, cz * step(k)],
+                        })
+                        .collect()
+                }
+                _ => {
+                    return self.fault(
+                        &format!("probes.{i}"),
+                        "a probe is a point or a line",
+                        "y and z; or line and points",
+                    );
+                }
+            };
+            list.push(Probe { name: probe.name.clone(), x: probe.at.0, points });
+        }
+        Ok(list)
+    }
+}

@@ -1,0 +1,153 @@
+//! Settings of the nonlinear analyses: quadrature, static, spinup.
+
+use super::Input;
+use crate::case;
+use crate::error::Result;
+use crate::model::{Frame, Integrator, Phase, Quadrature, SpinupSettings, StaticSettings};
+
+/// Longest simulation, s.
+const LONGEST: f64 = 1e9;
+
+impl Input<'_> {
+    pub(super) fn quadrature(&self) -> Result<Quadrature> {
+        let path = "shaft.quadrature";
+        let rule = match &self.case.shaft.quadrature {
+            case::Quadrature::Named(case::QuadratureName::Exact) => Quadrature::EXACT,
+            case::Quadrature::Named(case::QuadratureName::Reduced) => {
+                Quadrature { axial: Some(5), section: None }
+            }
+            case::Quadrature::Points(p) => Quadrature { axial: p.axial, section: p.section },
+        };
+        for (key, points) in [("axial", rule.axial), ("section", rule.section)] {
+            if points.is_some_and(|n| !(2..=20).contains(&n)) {
+                return self.fault(&format!("{path}.{key}"), "no such number of Gauss points", "2 to 20");
+            }
+        }
+        Ok(rule)
+    }
+
+    pub(super) fn statics(&self) -> Result<StaticSettings> {
+        let s = &self.case.statics;
+        if !(1..=10_000).contains(&s.load_steps) {
+            return self.fault("static.load_steps", "no such number of load steps", "1 to 10000");
+        }
+        if !(1..=1000).contains(&s.max_iterations) {
+            return self.fault("static.max_iterations", "no such number of iterations", "1 to 1000");
+        }
+        if !(s.tolerance > 1e-32 && s.tolerance < 1e-2) {
+            return self.fault(
+                "static.tolerance",
+                "the relative energy of the last correction is out of range",
+                "between 1e-32 and 1e-2, e.g. 1e-20 (ten digits of the displacement)",
+            );
+        }
+        let (load_steps, max_iterations) = (s.load_steps as usize, s.max_iterations as usize);
+        Ok(StaticSettings { load_steps, max_iterations, tolerance: s.tolerance })
+    }
+
+    pub(super) fn spinup(&self) -> Result<Option<SpinupSettings>> {
+        let Some(s) = &self.case.spinup else { return Ok(None) };
+        let at = |key: &str| format!("spinup.{key}");
+        if s.drive.is_empty() {
+            return self.fault(
+                &at("drive"),
+                "the drive has no phase",
+                r#"a list such as [ { "until": 1.0, "speed": "15000 rpm" } ]"#,
+            );
+        }
+        let (mut drive, mut before) = (Vec::new(), 0.0);
+        for (i, phase) in s.drive.iter().enumerate() {
+            let (path, until) = (format!("spinup.drive.{i}.until"), phase.until.0);
+            if !(until > before) {
+                let problem = if i == 0 { "the phase has no duration" } else { "the phases do not ascend" };
+                return self.fault(&path, problem, format!("a time above {before} s"));
+            }
+            self.within(&path, until, 1e-12, LONGEST)?;
+            let speed = self.not_negative(&format!("spinup.drive.{i}.speed"), phase.speed.0)?;
+            self.within(&format!("spinup.drive.{i}.speed"), speed, 0.0, 1e9)?;
+            drive.push(Phase { until, speed });
+            before = until;
+        }
+        self.turning(&drive)?;
+        let until = self.positive(&at("until"), s.until.map_or(before, |t| t.0))?;
+        self.within(&at("until"), until, 1e-12, LONGEST)?;
+        for (key, tolerance) in [("rtol", s.rtol), ("atol", s.atol)] {
+            if !(tolerance > 0.0 && tolerance <= 0.1) {
+                return self.fault(&at(key), "no such tolerance", "above 0, at most 0.1");
+            }
+        }
+        let step = s.step.map(|step| step.0);
+        if step.is_some_and(|step| !(step > 0.0 && step <= until)) {
+            return self.fault(&at("step"), "no such step", format!("above 0, at most {until} s"));
+        }
+        let integrator = match s.integrator {
+            case::Integrator::Implicit | case::Integrator::Esdirk => Integrator::Esdirk,
+            case::Integrator::GeneralizedAlpha => Integrator::GeneralizedAlpha,
+            case::Integrator::Adams => Integrator::Adams,
+        };
+        if integrator == Integrator::Adams && step.is_some() {
+            return self.fault(&at("step"), "the Adams integrator chooses its steps", "no step");
+        }
+        if s.rho_infinity.is_some() && integrator != Integrator::GeneralizedAlpha {
+            let allowed = "only with \"integrator\": \"generalized-alpha\"";
+            return self.fault(&at("rho_infinity"), "the integrator has no such parameter", allowed);
+        }
+        let rho_infinity = s.rho_infinity.unwrap_or(0.9);
+        if !(0.0..=1.0).contains(&rho_infinity) {
+            return self.fault(&at("rho_infinity"), "no such spectral radius", "0 to 1");
+        }
+        if !(2..=1_000_000).contains(&s.output) {
+            return self.fault(&at("output"), "no such number of output times", "2 to 1000000");
+        }
+        if s.max_steps == 0 {
+            return self.fault(&at("max_steps"), "no steps are allowed", "at least 1");
+        }
+        Ok(Some(SpinupSettings {
+            drive,
+            until,
+            frame: match s.frame {
+                case::SpinupFrame::Rotating => Frame::Rotating,
+                case::SpinupFrame::Inertial => Frame::Inertial,
+            },
+            integrator,
+            rtol: s.rtol,
+            atol: s.atol,
+            rho_infinity,
+            step,
+            max_steps: s.max_steps as usize,
+            output: s.output as usize,
+            steady: s.steady,
+        }))
+    }
+
+    /// A drive with speed needs an end that it turns, and none that stands still.
+    fn turning(&self, drive: &[Phase]) -> Result<()> {
+        if drive.iter().all(|p| p.speed == 0.0) {
+            return Ok(());
+        }
+        let still = self.case.supports.iter().position(|s| s.kind == Some(case::SupportKind::Clamped));
+        if let Some(i) = still {
+            return self.fault(
+                &format!("supports.{i}.kind"),
+                "a clamped section does not turn with the drive",
+                "\"revolute\" or \"cylindrical\", which turn with it",
+            );
+        }
+        let turned = self.case.supports.iter().any(|s| match s.kind {
+            Some(case::SupportKind::Revolute | case::SupportKind::Cylindrical) => s.driven != Some(false),
+            Some(_) => false,
+            // fixed components turn with the drive when they hold the rotation
+            None => {
+                s.fix.iter().flatten().any(|name| matches!(name.as_str(), "all" | "y" | "z" | "y.z" | "z.y"))
+            }
+        });
+        if turned {
+            return Ok(());
+        }
+        self.fault(
+            "spinup.drive",
+            "no support turns the shaft: the drive has a speed but no driven end",
+            "a revolute or cylindrical support that is driven (\"driven\": true is the default), or speed 0",
+        )
+    }
+}

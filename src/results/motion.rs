@@ -1,0 +1,268 @@
+//! Results of the nonlinear analyses: states at points, static equilibrium, spin-up.
+
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// State of a material point. Tensors are listed as xx, yy, zz, xy, xz, yz.
+#[derive(Debug, Clone, Serialize)]
+pub struct PointState {
+    /// Place in the undeformed section.
+    pub y_m: f64,
+    /// Place in the undeformed section.
+    pub z_m: f64,
+    /// Displacement `[x, y, z]`, in the frame that turns with the shaft.
+    pub displacement_m: [f64; 3],
+    /// Green-Lagrange strain.
+    pub strain: [f64; 6],
+    /// Second Piola-Kirchhoff stress.
+    pub second_piola_pa: [f64; 6],
+    /// Cauchy stress and its measures.
+    pub stress_pa: Stress,
+}
+
+/// Cauchy stress; invariants `I1 = tr`, `I2 = (tr^2 - tr(sigma^2)) / 2`, `I3 = det` in powers of Pa.
+#[derive(Debug, Clone, Serialize)]
+pub struct Stress {
+    /// Components xx, yy, zz, xy, xz, yz.
+    pub cauchy: [f64; 6],
+    /// Von Mises stress.
+    pub von_mises: f64,
+    /// First invariant, Pa.
+    #[serde(rename = "I1")]
+    pub i1: f64,
+    /// Second invariant, Pa^2.
+    #[serde(rename = "I2")]
+    pub i2: f64,
+    /// Third invariant, Pa^3.
+    #[serde(rename = "I3")]
+    pub i3: f64,
+}
+
+/// A probe: one point, or the points of a line.
+#[derive(Debug, Clone, Serialize)]
+pub struct ProbeState {
+    /// Name given in the case.
+    pub name: String,
+    /// Position along the undeformed shaft.
+    pub at_m: f64,
+    /// The state of a single point.
+    #[serde(flatten)]
+    pub point: Option<PointState>,
+    /// The states along a line.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub points: Vec<PointState>,
+}
+
+/// States along the axes of one section, for plots and reports.
+#[derive(Debug, Clone, Serialize)]
+pub struct Profile {
+    /// Position along the undeformed shaft.
+    pub at_m: f64,
+    /// From the bore (or centre) to the surface along y.
+    pub along_y: Vec<PointState>,
+    /// From the bore (or centre) to the surface along z.
+    pub along_z: Vec<PointState>,
+    /// Outer and inner outline, undeformed `[y, z]`, closed.
+    #[serde(skip)]
+    pub outlines: Vec<Vec<[f64; 2]>>,
+    /// Displacement `[y, z]` of the same points, without that of the section's centre.
+    #[serde(skip)]
+    pub outline_displacements: Vec<Vec<[f64; 2]>>,
+}
+
+/// Results of `rotor static`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Static {
+    /// True when the full load is carried.
+    pub converged: bool,
+    /// Share of the load that is carried.
+    pub load_factor: f64,
+    /// States at the probes.
+    pub probes: Vec<ProbeState>,
+    /// The section at mid-length.
+    pub profile: Profile,
+    /// Forces of the supports.
+    pub reactions: Vec<Reaction>,
+    /// Strain energy.
+    pub strain_energy_j: f64,
+    /// Largest principal Green-Lagrange strain, by size, on a grid of points in every element.
+    pub largest_strain: f64,
+    /// How Newton's method went.
+    pub newton: NewtonSummary,
+    /// Displaced axis `[x, y, z]` of the shaft, for drawing.
+    #[serde(skip)]
+    pub axis: Vec<[f64; 3]>,
+}
+
+/// Force of a support.
+#[derive(Debug, Clone, Serialize)]
+pub struct Reaction {
+    /// JSON path of the support.
+    pub support: String,
+    /// Position along the shaft.
+    pub at_m: f64,
+    /// Resultant `[x, y, z]`, fixed directions.
+    #[serde(rename = "force_N")]
+    pub force_n: [f64; 3],
+}
+
+/// How Newton's method went.
+#[derive(Debug, Clone, Serialize)]
+pub struct NewtonSummary {
+    /// Load steps taken.
+    pub load_steps: usize,
+    /// Load steps that were cut in halves.
+    pub cuts: usize,
+    /// Iterations in all.
+    pub iterations: usize,
+    /// Energy of the last correction over that of the state.
+    pub residual: f64,
+    /// Directions in which the state is unstable.
+    pub unstable_directions: usize,
+}
+
+/// Results of `rotor spinup`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Spinup {
+    /// False when the run was interrupted; what follows ends there.
+    pub complete: bool,
+    /// State at the end, or the equilibrium at the last speed.
+    #[serde(rename = "final")]
+    pub last: SpinState,
+    /// Largest values met; null for the equilibrium alone.
+    pub extremes: Option<Extremes>,
+    /// Values over time; null for the equilibrium alone.
+    pub history: Option<History>,
+    /// Energy over the whole run; null for the equilibrium alone.
+    pub energy: Option<EnergyBalance>,
+    /// What the integration took; null for the equilibrium alone.
+    pub integrator: Option<IntegratorSummary>,
+    /// How Newton's method went, for the equilibrium alone.
+    pub newton: Option<NewtonSummary>,
+}
+
+/// The shaft at one speed, seen from the frame that turns with it.
+#[derive(Debug, Clone, Serialize)]
+pub struct SpinState {
+    /// Time; null for the equilibrium alone.
+    pub time_s: Option<f64>,
+    /// Speed.
+    pub speed_rad_s: f64,
+    /// Speed.
+    pub speed_rpm: f64,
+    /// States at the probes.
+    pub probes: Vec<ProbeState>,
+    /// The section at mid-length.
+    pub profile: Profile,
+    /// Growth of that section's outer half extents along y and z.
+    pub growth_m: [f64; 2],
+    /// Growth of a long body of that section with free ends, linear elasticity; circles and tubes only.
+    pub closed_form_growth_m: Option<f64>,
+    /// Largest principal Green-Lagrange strain, by size.
+    pub largest_strain: f64,
+}
+
+/// Largest values of a run.
+#[derive(Debug, Clone, Serialize)]
+pub struct Extremes {
+    /// Largest distance of the axis at mid-length from its place at rest.
+    pub radius_m: f64,
+    /// When.
+    pub radius_time_s: f64,
+    /// Largest torque of the drive, by size.
+    #[serde(rename = "torque_N_m")]
+    pub torque_n_m: f64,
+    /// When.
+    pub torque_time_s: f64,
+}
+
+/// Values at the times of the output grid.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct History {
+    /// Times.
+    pub time_s: Vec<f64>,
+    /// Speed of the drive.
+    pub speed_rad_s: Vec<f64>,
+    /// Displacement `[x, y, z]` of every probe (the last point of a line) in the turning frame.
+    pub probes: BTreeMap<String, Vec<[f64; 3]>>,
+    /// Displacement `[x, y, z]` of the axis at mid-length in fixed directions.
+    pub mid_span_m: Vec<[f64; 3]>,
+    /// Growth of the section at mid-length along y and z of the section.
+    pub growth_m: Vec<[f64; 2]>,
+    /// Growth of a long body with free ends at that speed; circles and tubes only.
+    pub closed_form_growth_m: Vec<f64>,
+    /// Energies.
+    #[serde(rename = "energy_J")]
+    pub energy_j: EnergyHistory,
+    /// Angular momentum about x.
+    pub angular_momentum_kg_m2_s: Vec<f64>,
+    /// Torque of the drive.
+    #[serde(rename = "drive_torque_N_m")]
+    pub drive_torque_n_m: Vec<f64>,
+    /// Force `[x, y, z]` of every support in fixed directions, by JSON path.
+    #[serde(rename = "reactions_N")]
+    pub reactions_n: BTreeMap<String, Vec<[f64; 3]>>,
+}
+
+/// Energies over time.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct EnergyHistory {
+    /// Kinetic energy.
+    pub kinetic: Vec<f64>,
+    /// Strain energy.
+    pub strain: Vec<f64>,
+    /// Potential of gravity and loads.
+    pub potential: Vec<f64>,
+    /// Work of the drive since the start.
+    pub drive_work: Vec<f64>,
+    /// Absorbed by material damping, external damping and bearings since the start.
+    pub absorbed: Vec<f64>,
+    /// Work of the drive less change of energy less absorbed energy: what the integrator lost.
+    pub lost: Vec<f64>,
+}
+
+/// Energy over the whole run, J.
+#[derive(Debug, Clone, Serialize)]
+pub struct EnergyBalance {
+    /// Work of the drive.
+    #[serde(rename = "drive_work_J")]
+    pub drive_work_j: f64,
+    /// Change of kinetic, strain and potential energy.
+    #[serde(rename = "change_J")]
+    pub change_j: f64,
+    /// Absorbed by material damping.
+    #[serde(rename = "material_damping_J")]
+    pub material_damping_j: f64,
+    /// Absorbed by external damping.
+    #[serde(rename = "external_damping_J")]
+    pub external_damping_j: f64,
+    /// Absorbed by bearings.
+    #[serde(rename = "bearings_J")]
+    pub bearings_j: f64,
+    /// What the integrator lost (positive) or made (negative).
+    #[serde(rename = "numerical_dissipation_J")]
+    pub numerical_dissipation_j: f64,
+    /// The same over the larger of the drive's work and the largest energy.
+    pub relative_error: f64,
+}
+
+/// What the integration took.
+#[derive(Debug, Clone, Serialize)]
+pub struct IntegratorSummary {
+    /// "esdirk4(3)", "generalized-alpha" or "adams".
+    pub name: &'static str,
+    /// "rotating" or "inertial".
+    pub frame: &'static str,
+    /// Integration of the forces, e.g. "exact".
+    pub quadrature: String,
+    /// Accepted steps.
+    pub steps: usize,
+    /// Rejected steps.
+    pub rejected: usize,
+    /// Evaluations of the nonlinear forces.
+    pub force_evaluations: usize,
+    /// Matrices factorised.
+    pub factorizations: usize,
+    /// Of those, with the tangent of the present state.
+    pub tangents: usize,
+}
