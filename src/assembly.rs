@@ -410,6 +410,26 @@ impl<'a> Assembly<'a> {
         self.free.iter().map(|&i| signs[i]).collect()
     }
 
+    /// True when a node's constraints carry the centrifugal stretch of the section but do not turn with it, as
+    /// `y.y` held without `y.z` does.
+    pub fn holds_stretch_one_way(&self) -> bool {
+        let turned =
+            |row: &[f64]| -> Vec<f64> { row.chunks_exact(3).flat_map(|c| [0.0, c[2], -c[1]]).collect() };
+        let stretches = |row: &[f64]| {
+            let vectors = exponents(5).into_iter().zip(row.chunks_exact(3));
+            vectors.into_iter().any(|((a, b), c)| {
+                (c[1] != 0.0 && a % 2 == 1 && b % 2 == 0) || (c[2] != 0.0 && a % 2 == 0 && b % 2 == 1)
+            })
+        };
+        (0..self.model.nodes.len()).any(|node| {
+            let rows: Vec<Vec<f64>> =
+                self.constraints.iter().filter(|(n, _)| *n == node).map(|(_, row)| row.clone()).collect();
+            let mut more = rows.clone();
+            more.extend(rows.iter().filter(|row| stretches(row)).map(|row| turned(row)));
+            more.len() > rows.len() && reduce(more).len() > reduce(rows).len()
+        })
+    }
+
     /// What the rotations among the rigid motions make of a displacement z, in columns in the order of
     /// [`Self::rigid_motions`]; zero for translations.
     pub fn turned_by_rigid_motions(&self, z: &[f64]) -> Mat<f64> {

@@ -252,6 +252,18 @@ fn rotors_that_do_not_fit_a_frame_are_refused() {
         let (at, message) = refused(set).unwrap_or_else(|| panic!("{set:?} is not refused"));
         assert!(at == path && message.contains(word), "{set:?}: {at}: {message}");
     }
+    let run = |set: &[(&str, Value)]| {
+        let model = changed(set).unwrap_or_else(|e| panic!("{e}"));
+        let settings = model.campbell.as_ref().unwrap();
+        rotor::analysis::campbell::campbell(&model, settings, &|_| ()).map(|_| ()).map_err(|e| e.to_string())
+    };
+    let loose = ("supports", json!([]));
+    assert!(run(&[frame("rotating"), loose.clone()]).unwrap_err().contains("held across its axis"));
+    assert!(run(&[loose]).is_ok());
+    let one_way = ["r", "y.x", "z.x", "y.y", "z.z"];
+    let one_way = ("supports", json!([{ "at": 0, "fix": one_way }, { "at": 1, "fix": one_way }]));
+    assert!(run(&[one_way.clone()]).unwrap_err().contains("classical"));
+    assert!(run(&[one_way, ("campbell.form", json!("classical"))]).is_ok());
     assert!(refused(&[oval(), uneven(json!([[1e8, 1e6], [-1e6, 1e8]]))]).is_none());
     assert!(refused(&[frame("rotating")]).is_none());
 }
@@ -322,7 +334,8 @@ fn bad_files_on_the_command_line() {
     let got = run(&good, &["--out", file.join("deeper").to_str().unwrap()]);
     assert_eq!(got.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&got.stderr).contains("is not a folder"));
-    let oval = ["--set", "shaft.segments.0.section=oval", "--out", out.to_str().unwrap()];
+    let stationary = ["--set", "campbell.frame=stationary", "--out", out.to_str().unwrap()];
+    let oval = [&["--set", "shaft.segments.0.section=oval"], &stationary[..]].concat();
     let got = run(&good, &oval);
     assert_eq!(got.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&got.stderr).contains("not axisymmetric") && !out.exists());
