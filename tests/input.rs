@@ -220,7 +220,7 @@ fn form_and_frame_have_defaults() {
     let classical = ("campbell.form", json!("classical"));
     assert_eq!(settings(&[]), (WhirlFrame::Stationary, Form::Consistent));
     assert_eq!(settings(&[offset]), (WhirlFrame::Stationary, Form::Consistent));
-    assert_eq!(settings(&[oval.clone()]), (WhirlFrame::Rotating, Form::Consistent));
+    assert_eq!(settings(std::slice::from_ref(&oval)), (WhirlFrame::Rotating, Form::Consistent));
     assert_eq!(settings(&[oval, classical]), (WhirlFrame::Stationary, Form::Classical));
 }
 
@@ -262,7 +262,7 @@ fn rotors_that_do_not_fit_a_frame_are_refused() {
     assert!(run(&[loose]).is_ok());
     let one_way = ["r", "y.x", "z.x", "y.y", "z.z"];
     let one_way = ("supports", json!([{ "at": 0, "fix": one_way }, { "at": 1, "fix": one_way }]));
-    assert!(run(&[one_way.clone()]).unwrap_err().contains("classical"));
+    assert!(run(std::slice::from_ref(&one_way)).unwrap_err().contains("classical"));
     assert!(run(&[one_way, ("campbell.form", json!("classical"))]).is_ok());
     assert!(refused(&[oval(), uneven(json!([[1e8, 1e6], [-1e6, 1e8]]))]).is_none());
     assert!(refused(&[frame("rotating")]).is_none());
