@@ -2,12 +2,13 @@
 
 use divan::{Bencher, black_box};
 use rotor::analysis::campbell::campbell;
-use rotor::analysis::reduced::{Operators, Reduced};
+use rotor::analysis::operators::Operators;
+use rotor::analysis::reduced::Reduced;
 use rotor::analysis::spectrum::Spectrum;
 use rotor::assembly::Assembly;
 use rotor::case::{Case, LoadedCase};
 use rotor::element::ElementMatrices;
-use rotor::model::{ElementKind, Gyroscopic, Law, Model};
+use rotor::model::{ElementKind, Gyroscopic, Law, Model, WhirlFrame};
 use serde_json::{Map, json};
 use std::path::Path;
 
@@ -55,7 +56,7 @@ fn one_speed(bencher: Bencher, basis: usize) {
     let model = model(16);
     let assembly = Assembly::new(&model);
     let spectrum = Spectrum::new(&assembly, basis * 6 / 10).expect("converges");
-    let operators = Operators::new(&assembly, &spectrum, Gyroscopic::All);
+    let operators = Operators::new(&assembly, &spectrum, WhirlFrame::Stationary, Gyroscopic::All, None);
     let reduced = Reduced::new(&operators, &spectrum, basis * 6 / 10, basis * 4 / 10).expect("converges");
     bencher.bench(|| reduced.solve(black_box(500.0)).expect("converges"));
 }

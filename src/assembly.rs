@@ -6,7 +6,7 @@
 //! Each matrix is built only when an analysis asks for it.
 
 use crate::element::ElementMatrices;
-use crate::element::basis::rotation_matrix;
+use crate::element::basis::{exponents, rotation_matrix};
 use crate::linalg::sparse::{Sparse, from_columns};
 use crate::model::{Element, Gyroscopic, Material, Model};
 use crate::support::{self, Contribution, Numbering};
@@ -265,6 +265,17 @@ impl<'a> Assembly<'a> {
         self.build(self.has_material_damping().then_some(&material), Vec::new())
     }
 
+    /// What spin adds to the damping forces in the rotating frame, per unit spin speed, on displacements:
+    /// `alpha M J + C_b J`, external and bearing damping being felt by inertial velocities.
+    pub fn rotating_damping(&self) -> Sparse {
+        let material = |material: &Material, m: &ElementMatrices| {
+            times_cross(&m.mass) * faer::Scale(material.mass_damping)
+        };
+        let external = self.model.materials.iter().any(|m| m.mass_damping != 0.0);
+        let bearings = self.bearings(|b| b.damping.map(|[y, z]| [z, -y]));
+        self.build(external.then_some(&material), bearings)
+    }
+
     /// True when a material of the shaft has damping.
     pub fn has_material_damping(&self) -> bool {
         self.model.materials.iter().any(|m| m.stiffness_damping != 0.0 || m.mass_damping != 0.0)
@@ -384,9 +395,79 @@ impl<'a> Assembly<'a> {
         })
     }
 
+    /// For every free coordinate whether it changes its sign when the shaft is mirrored, y -> -y and z -> -z.
+    pub fn mirror_signs(&self) -> Vec<[bool; 2]> {
+        let mut signs = Vec::with_capacity(self.numbering.len());
+        for node in &self.model.nodes {
+            // vectors come in whole orders, so the first of order 5 are those of any member
+            for &(a, b) in exponents(5).iter().take(node.n_vectors) {
+                for component in 0..3 {
+                    let (y, z) = (a + usize::from(component == 1), b + usize::from(component == 2));
+                    signs.push([y % 2 == 1, z % 2 == 1]);
+                }
+            }
+        }
+        self.free.iter().map(|&i| signs[i]).collect()
+    }
+
+    /// True when a node's constraints carry the centrifugal stretch of the section but do not turn with it, as
+    /// `y.y` held without `y.z` does.
+    pub fn holds_stretch_one_way(&self) -> bool {
+        let turned =
+            |row: &[f64]| -> Vec<f64> { row.chunks_exact(3).flat_map(|c| [0.0, c[2], -c[1]]).collect() };
+        let stretches = |row: &[f64]| {
+            let vectors = exponents(5).into_iter().zip(row.chunks_exact(3));
+            vectors.into_iter().any(|((a, b), c)| {
+                (c[1] != 0.0 && a % 2 == 1 && b % 2 == 0) || (c[2] != 0.0 && a % 2 == 0 && b % 2 == 1)
+            })
+        };
+        (0..self.model.nodes.len()).any(|node| {
+            let rows: Vec<Vec<f64>> =
+                self.constraints.iter().filter(|(n, _)| *n == node).map(|(_, row)| row.clone()).collect();
+            let mut more = rows.clone();
+            more.extend(rows.iter().filter(|row| stretches(row)).map(|row| turned(row)));
+            more.len() > rows.len() && reduce(more).len() > reduce(rows).len()
+        })
+    }
+
+    /// What the rotations among the rigid motions make of a displacement z, in columns in the order of
+    /// [`Self::rigid_motions`]; zero for translations.
+    pub fn turned_by_rigid_motions(&self, z: &[f64]) -> Mat<f64> {
+        let q = self.expand(z);
+        let combinations = self.rigid_combinations();
+        let l = self.model.length;
+        let columns: Vec<Vec<f64>> = combinations
+            .iter()
+            .map(|c| {
+                let (x, y, z) = (c[3] / l, c[4] / l, c[5] / l);
+                let turned = q
+                    .chunks_exact(3)
+                    .flat_map(|u| [y * u[2] - z * u[1], z * u[0] - x * u[2], x * u[1] - y * u[0]]);
+                self.restrict(&turned.collect::<Vec<_>>())
+            })
+            .collect();
+        Mat::from_fn(self.size(), columns.len(), |i, j| columns[j][i])
+    }
+
     /// Rigid motions that no constraint and no bearing stiffness resists: their names, and the free
     /// coordinates in columns.
     pub fn rigid_motions(&self) -> (Vec<String>, Mat<f64>) {
+        let motions = self.all_rigid_motions();
+        let null = self.rigid_combinations();
+        let names = null.iter().map(motion_name).collect();
+        let columns: Vec<Vec<f64>> = null
+            .iter()
+            .map(|c| {
+                let q: Vec<f64> =
+                    (0..self.numbering.len()).map(|i| (0..6).map(|m| c[m] * motions[m][i]).sum()).collect();
+                self.restrict(&q)
+            })
+            .collect();
+        (names, Mat::from_fn(self.size(), columns.len(), |i, j| columns[j][i]))
+    }
+
+    /// The same as combinations of the six rigid motions.
+    fn rigid_combinations(&self) -> Vec<[f64; 6]> {
         let motions = self.all_rigid_motions();
         let mut rows: Vec<[f64; 6]> = Vec::new();
         for (node, row) in &self.constraints {
@@ -407,17 +488,7 @@ impl<'a> Assembly<'a> {
                 }
             }
         }
-        let null = null_space(&rows);
-        let names = null.iter().map(motion_name).collect();
-        let columns: Vec<Vec<f64>> = null
-            .iter()
-            .map(|c| {
-                let q: Vec<f64> =
-                    (0..self.numbering.len()).map(|i| (0..6).map(|m| c[m] * motions[m][i]).sum()).collect();
-                self.restrict(&q)
-            })
-            .collect();
-        (names, Mat::from_fn(self.size(), columns.len(), |i, j| columns[j][i]))
+        null_space(&rows)
     }
 }
 

@@ -401,7 +401,7 @@ impl Default for Modes {
 pub enum Frame {
     /// Fixed in space.
     Stationary,
-    /// Turning with the shaft (not part of this version).
+    /// Turning with the shaft (consistent form only).
     Rotating,
 }
 
@@ -411,7 +411,7 @@ pub enum Frame {
 pub enum Form {
     /// Stiffness of the undeformed shaft, gyroscopic terms.
     Classical,
-    /// With centrifugal stiffening and softening (not part of this version).
+    /// Tangent stiffness at the spinning equilibrium and spin softening.
     Consistent,
 }
 
@@ -437,14 +437,14 @@ pub struct Campbell {
     /// Whirl branches to report.
     #[serde(default = "twelve")]
     pub modes: u32,
-    /// Frame, default stationary.
+    /// Frame, default stationary for circle and tube sections (and for the classical form), else rotating.
     pub frame: Option<Frame>,
-    /// Form, default classical.
+    /// Form, default consistent.
     pub form: Option<Form>,
     /// Size of the modal basis (at least modes + 8), or "none".
     #[serde(default)]
     pub reduction: ReductionSize,
-    /// Whose gyroscopic terms act.
+    /// Whose gyroscopic terms act ("disks" and "none" in the classical form only).
     #[serde(default)]
     pub gyroscopic: Gyroscopic,
     /// Excitation orders to draw besides 1x.

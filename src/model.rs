@@ -205,6 +205,24 @@ pub enum Gyroscopic {
     None,
 }
 
+/// Frame in which whirl frequencies are seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WhirlFrame {
+    /// Fixed in space.
+    Stationary,
+    /// Turning with the shaft.
+    Rotating,
+}
+
+/// What the linear equations of a spinning shaft contain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// Stiffness at rest; no centrifugal effect.
+    Classical,
+    /// Tangent stiffness at the spinning equilibrium, with spin softening.
+    Consistent,
+}
+
 /// Settings of the sweep over speed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CampbellSettings {
@@ -212,6 +230,10 @@ pub struct CampbellSettings {
     pub speeds: Vec<f64>,
     /// Branches to report.
     pub modes: usize,
+    /// Frame of the frequencies.
+    pub frame: WhirlFrame,
+    /// Form of the equations.
+    pub form: Form,
     /// Size of the modal basis; `None` for the unreduced problem.
     pub reduction: Option<usize>,
     /// Whose gyroscopic terms act.
@@ -373,6 +395,12 @@ pub struct Model {
 }
 
 impl Model {
+    /// True when sections and disks look the same at every angle.
+    pub fn is_axisymmetric(&self) -> bool {
+        self.sections.iter().all(Section::is_axisymmetric)
+            && self.disks.iter().all(|d| d.offset == [0.0, 0.0])
+    }
+
     /// True when gravity acts.
     pub fn has_gravity(&self) -> bool {
         self.gravity.iter().any(|g| *g != 0.0)

@@ -193,8 +193,28 @@ pub struct Campbell {
     pub critical_speeds: Vec<CriticalSpeed>,
     /// Excitation orders drawn besides the speed itself, e.g. 2 for 2x.
     pub orders: Vec<f64>,
+    /// Speeds at which a motion grows (consistent form only).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unstable_ranges: Option<Vec<UnstableRange>>,
     /// Accuracy of the reduced model.
     pub reduction: Reduction,
+}
+
+/// An interval of speed in which a branch grows.
+#[derive(Debug, Clone, Serialize)]
+pub struct UnstableRange {
+    /// Lower end, or the first speed of the sweep.
+    pub from_rad_s: f64,
+    /// Upper end, or the last speed of the sweep.
+    pub to_rad_s: f64,
+    /// Lower end.
+    pub from_rpm: f64,
+    /// Upper end.
+    pub to_rpm: f64,
+    /// Name of the branch.
+    pub branch: String,
+    /// Largest real part of the eigenvalue inside.
+    pub largest_growth_rate_1_s: f64,
 }
 
 /// One whirl branch over speed.
@@ -239,6 +259,10 @@ pub struct Reduction {
     pub basis: Option<usize>,
     /// Largest relative difference of a branch's frequency to the unreduced problem at the highest speed.
     pub measured_error: Option<f64>,
+    /// Largest relative error of the interpolated tangent stiffness (of a natural mode's share of it) at a speed
+    /// between its nodes; consistent form only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiffening_error: Option<f64>,
 }
 
 /// Results of `rotor check`.

@@ -15,8 +15,6 @@ use std::path::Path;
 /// Steps of the progress of a transient.
 pub const TICKS: usize = 1000;
 
-const ASYMMETRIC_REMEDY: &str = "circle and tube sections, or `rotor modes` at rest";
-
 /// The analyses that write a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Analysis {
@@ -93,12 +91,11 @@ pub fn run(
         }
         Analysis::Campbell => {
             let settings = model.campbell.as_ref().ok_or_else(|| missing_block(loaded, "campbell"))?;
-            let outcome = analysis::campbell::campbell(&model, settings, progress).map_err(|e| match e {
-                // what the analysis refuses about the model is a fault of the case
-                Error::Usage(reason) => loaded.fault("shaft.segments", reason, ASYMMETRIC_REMEDY),
-                other => other,
-            })?;
-            let report = report(loaded, outcome);
+            // what the analysis refuses about the model is a fault of the case
+            if let Some(refused) = analysis::remarks::refusal(&model, settings) {
+                return Err(loaded.fault(refused.path, refused.reason, refused.remedy));
+            }
+            let report = report(loaded, analysis::campbell::campbell(&model, settings, progress)?);
             let svg = if plots {
                 vec![("campbell.svg".to_owned(), plot::campbell::svg(&report)?)]
             } else {

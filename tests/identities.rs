@@ -248,7 +248,8 @@ proptest! {
         let model = model(&loose);
         let assembly = Assembly::new(&model);
         let spectrum = Spectrum::new(&assembly, 16).unwrap();
-        let operators = rotor::analysis::reduced::Operators::new(&assembly, &spectrum, rotor::model::Gyroscopic::All);
+        let (frame, all) = (rotor::model::WhirlFrame::Stationary, rotor::model::Gyroscopic::All);
+        let operators = rotor::analysis::operators::Operators::new(&assembly, &spectrum, frame, all, None);
         let reduced = rotor::analysis::reduced::Reduced::new(&operators, &spectrum, 16, 8).unwrap();
         let (a, b) = (reduced.solve(speed).unwrap(), reduced.solve(-speed).unwrap());
         for (p, q) in a.motions.iter().zip(&b.motions).take(8) {

@@ -176,8 +176,7 @@ fn every_fault_names_path_value_and_remedy() {
         ("campbell.modes", json!(0), "campbell.modes", &["1 to 1000"]),
         ("modes.count", json!(0), "modes.count", &["1 to 2000"]),
         ("campbell.reduction", json!(5), "campbell.reduction", &["modes + 8"]),
-        ("campbell.form", json!("consistent"), "campbell.form", &["classical"]),
-        ("campbell.frame", json!("rotating"), "campbell.frame", &["stationary"]),
+        ("campbell.gyroscopic", json!("disks"), "campbell.gyroscopic", &["classical"]),
         ("campbell.orders", json!([-1]), "campbell.orders.0", &["positive"]),
         (
             "expected",
@@ -206,6 +205,67 @@ fn form_and_frame_contradict() {
     let set = [("campbell.form", json!("classical")), ("campbell.frame", json!("rotating"))];
     let message = changed(&set).unwrap_err().to_string();
     assert!(message.contains("classical form exists in the stationary frame only"), "{message}");
+}
+
+/// Consistent, stationary for round sections, rotating for others; the classical form has one frame.
+#[test]
+fn form_and_frame_have_defaults() {
+    use rotor::model::{Form, WhirlFrame};
+    let settings = |set: &[(&str, Value)]| {
+        let campbell = changed(set).unwrap_or_else(|e| panic!("{e}")).campbell.unwrap();
+        (campbell.frame, campbell.form)
+    };
+    let oval = ("shaft.segments.0.section", json!("oval"));
+    let offset = ("disks.0.offset", json!([0.01, 0]));
+    let classical = ("campbell.form", json!("classical"));
+    assert_eq!(settings(&[]), (WhirlFrame::Stationary, Form::Consistent));
+    assert_eq!(settings(&[offset]), (WhirlFrame::Stationary, Form::Consistent));
+    assert_eq!(settings(std::slice::from_ref(&oval)), (WhirlFrame::Rotating, Form::Consistent));
+    assert_eq!(settings(&[oval, classical]), (WhirlFrame::Stationary, Form::Classical));
+}
+
+/// What no frame or form fits names its key, the reason and what would fit.
+#[test]
+fn rotors_that_do_not_fit_a_frame_are_refused() {
+    let oval = || ("shaft.segments.0.section", json!("oval"));
+    let uneven = |k: Value| ("supports.1.stiffness", k);
+    let fixed = ("supports.1", json!({ "at": 1, "fix": ["r.y"] }));
+    let refused = |set: &[(&str, Value)]| {
+        let model = changed(set).unwrap_or_else(|e| panic!("{e}"));
+        let settings = model.campbell.as_ref().unwrap();
+        let refusal = rotor::analysis::remarks::refusal(&model, settings);
+        let failed = rotor::analysis::campbell::campbell(&model, settings, &|_| ()).is_err();
+        assert_eq!(failed, refusal.is_some(), "{set:?}");
+        refusal.map(|r| (r.path, format!("{} {}", r.reason, r.remedy)))
+    };
+    let frame = |f: &str| ("campbell.frame", json!(f));
+    let table: [(&[(&str, Value)], &str, &str); 7] = [
+        (&[oval(), frame("stationary")], "shaft.segments", "rotating"),
+        (&[oval(), uneven(json!([[1e8, 0], [0, 2e8]]))], "supports", "periodically"),
+        (&[oval(), uneven(json!([[1e8, 1e6], [1e6, 1e8]]))], "supports", "periodically"),
+        (&[oval(), fixed.clone()], "supports", "isotropic"),
+        (&[frame("rotating"), uneven(json!([[1e8, 0], [0, 2e8]]))], "campbell.frame", "stationary"),
+        (&[frame("rotating"), fixed], "campbell.frame", "stationary"),
+        (&[("shaft.element", json!("3333s"))], "campbell.form", "classical"),
+    ];
+    for (set, path, word) in table {
+        let (at, message) = refused(set).unwrap_or_else(|| panic!("{set:?} is not refused"));
+        assert!(at == path && message.contains(word), "{set:?}: {at}: {message}");
+    }
+    let run = |set: &[(&str, Value)]| {
+        let model = changed(set).unwrap_or_else(|e| panic!("{e}"));
+        let settings = model.campbell.as_ref().unwrap();
+        rotor::analysis::campbell::campbell(&model, settings, &|_| ()).map(|_| ()).map_err(|e| e.to_string())
+    };
+    let loose = ("supports", json!([]));
+    assert!(run(&[frame("rotating"), loose.clone()]).unwrap_err().contains("held across its axis"));
+    assert!(run(&[loose]).is_ok());
+    let one_way = ["r", "y.x", "z.x", "y.y", "z.z"];
+    let one_way = ("supports", json!([{ "at": 0, "fix": one_way }, { "at": 1, "fix": one_way }]));
+    assert!(run(std::slice::from_ref(&one_way)).unwrap_err().contains("classical"));
+    assert!(run(&[one_way, ("campbell.form", json!("classical"))]).is_ok());
+    assert!(refused(&[oval(), uneven(json!([[1e8, 1e6], [-1e6, 1e8]]))]).is_none());
+    assert!(refused(&[frame("rotating")]).is_none());
 }
 
 #[test]
@@ -274,7 +334,8 @@ fn bad_files_on_the_command_line() {
     let got = run(&good, &["--out", file.join("deeper").to_str().unwrap()]);
     assert_eq!(got.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&got.stderr).contains("is not a folder"));
-    let oval = ["--set", "shaft.segments.0.section=oval", "--out", out.to_str().unwrap()];
+    let stationary = ["--set", "campbell.frame=stationary", "--out", out.to_str().unwrap()];
+    let oval = [&["--set", "shaft.segments.0.section=oval"], &stationary[..]].concat();
     let got = run(&good, &oval);
     assert_eq!(got.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&got.stderr).contains("not axisymmetric") && !out.exists());

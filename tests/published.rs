@@ -54,7 +54,7 @@ fn brief_case(hub: &str) -> rotor::case::LoadedCase {
         json!({
             "disks": [{ "at": 3, "mass": 70.5727, "polar_inertia": 2.03249, "diametral_inertia": 1.016245, "hub": hub }],
             "supports": [{ "at": 0, "kind": "clamped" }, { "at": 6, "kind": "clamped" }],
-            "campbell": { "speeds": { "to": "10000 rpm", "count": 21 } }
+            "campbell": { "speeds": { "to": "10000 rpm", "count": 21 }, "form": "classical" }
         }),
     )
 }

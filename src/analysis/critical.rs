@@ -2,17 +2,19 @@
 //!
 //! With `u exp(i Omega t)` the classical stationary form is `K u = Omega^2 (M - i G) u`: Hermitian, K
 //! positive on motions with strain, `M - i G` indefinite when a disk is flat enough to have no forward
-//! critical speed. Solved as a real problem of twice the size with the flexibility at rest; a count of
-//! negative pivots of `K - Omega^2 (M - i G)` says how many lie below a speed.
+//! critical speed. In the consistent form K depends on Omega^2 almost linearly, `K = K_0 + Omega^2 S`: solved
+//! with S the secant to the highest speed, then each speed for itself with its own K. In the rotating frame a
+//! whirl in step with the shaft stands still: `(K_T + Omega^2 M J^2) u = 0`, real. Solved with the flexibility at
+//! rest; a count of negative pivots of the matrix at a speed says how many lie below it.
 //! Source: docs/theory.md section 6.
 
-use super::reduced::Operators;
-use super::spectrum::Spectrum;
+use super::operators::Operators;
+use super::spectrum::{Flexibility, Spectrum};
 use crate::error::{Error, Result};
 use crate::linalg::dense::self_adjoint;
 use crate::linalg::factor::Ldlt;
 use crate::linalg::lanczos::{self, Pencil};
-use crate::linalg::sparse::{combine, multiply};
+use crate::linalg::sparse::{Sparse, combine, multiply};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef, c64};
 
@@ -27,14 +29,30 @@ pub struct Critical {
     pub shape: Vec<c64>,
 }
 
+/// Critical speeds with what vouches for them.
+pub struct Criticals {
+    /// Ascending, at most [`MOST`].
+    pub list: Vec<Critical>,
+    /// Their number agrees with the inertia count.
+    pub complete: bool,
+    /// Largest energy norm of what a motion leaves out of balance; the speed's relative error is about its square.
+    pub imbalance: f64,
+}
+
 /// Number of critical speeds below `speed`, rigid motions not counted.
 ///
 /// # Errors
 /// When the factorisation fails.
 pub fn count_below(operators: &Operators, spectrum: &Spectrum, speed: f64) -> Result<Option<usize>> {
+    if operators.is_rotating() {
+        let rigid = spectrum.flexibility.rigid.clone();
+        let pinned = Flexibility::new(&operators.stiffness_at(speed), &operators.mass, rigid)?;
+        return Ok(Some(pinned.unstable_directions()).filter(|n| *n != usize::MAX));
+    }
     let square = speed * speed;
     let real = |v: f64| c64::new(v, 0.0);
-    let mut terms = vec![(real(1.0), &operators.stiffness), (real(-square), &operators.mass)];
+    let stiffness = operators.stiffness_at(speed);
+    let mut terms = vec![(real(1.0), &stiffness), (real(-square), &operators.mass)];
     if let Some(g) = &operators.gyroscopic {
         terms.push((c64::new(0.0, square), g));
     }
@@ -56,32 +74,41 @@ fn rigid_inertia(operators: &Operators, spectrum: &Spectrum) -> Result<usize> {
     Ok(self_adjoint(block.as_ref())?.0.iter().filter(|v| **v < 0.0).count())
 }
 
-/// The critical speeds from above zero up to `highest`, ascending, at most [`MOST`]; and whether their
-/// number agrees with the count.
+/// The critical speeds from above zero up to `highest`.
 ///
 /// # Errors
 /// When the eigenvalue solver does not converge.
-pub fn critical_speeds(
-    operators: &Operators,
-    spectrum: &Spectrum,
-    highest: f64,
-) -> Result<(Vec<Critical>, bool)> {
-    let Some(expected) = count_below(operators, spectrum, highest)? else {
-        return Ok((Vec::new(), false));
-    };
+pub fn critical_speeds(operators: &Operators, spectrum: &Spectrum, highest: f64) -> Result<Criticals> {
+    let none = |complete| Ok(Criticals { list: Vec::new(), complete, imbalance: 0.0 });
+    let Some(expected) = count_below(operators, spectrum, highest)? else { return none(false) };
     if expected == 0 {
-        return Ok((Vec::new(), true));
+        return none(true);
     }
     let n = operators.mass.nrows();
     let flexibility = &spectrum.flexibility;
     let n_rigid = flexibility.rigid.ncols();
-    // x = a + i b as (a, b): K on both, B (a, b) = (M a + G b, M b - G a)
-    let halves = |f: &dyn Fn(MatRef<'_, f64>) -> Mat<f64>, x: MatRef<'_, f64>| {
-        stack(f(x.get(..n, ..)).as_ref(), f(x.get(n.., ..)).as_ref())
+    let secant = operators.secant(highest);
+    // x = a + i b as (a, b): K on both, B (a, b) = (M a + G b, M b - G a); real in the rotating frame
+    let parts = if operators.is_rotating() { 1 } else { 2 };
+    let apart = |f: &dyn Fn(MatRef<'_, f64>) -> Mat<f64>, x: MatRef<'_, f64>| match parts {
+        1 => f(x),
+        _ => stack(f(x.get(..n, ..)).as_ref(), f(x.get(n.., ..)).as_ref()),
     };
     let apply_b = |x: MatRef<'_, f64>| {
-        let mut y = halves(&|a| multiply(&operators.mass, a), x);
-        if let Some(g) = &operators.gyroscopic {
+        let mut y = apart(
+            &|a| {
+                let inertia = (parts == 2).then(|| multiply(&operators.mass, a));
+                let stiffening = secant.as_ref().map(|s| multiply(s, a));
+                match (inertia, stiffening) {
+                    (Some(m), Some(s)) => m - s,
+                    (Some(m), None) => m,
+                    (None, Some(s)) => -s,
+                    (None, None) => Mat::zeros(a.nrows(), a.ncols()),
+                }
+            },
+            x,
+        );
+        if let (Some(g), 2) = (&operators.gyroscopic, parts) {
             let (ga, gb) = (multiply(g, x.get(..n, ..)), multiply(g, x.get(n.., ..)));
             let mut top = y.get_mut(..n, ..);
             top += gb;
@@ -90,38 +117,43 @@ pub fn critical_speeds(
         }
         y
     };
-    let zero = Mat::<f64>::zeros(n, n_rigid);
-    let rigid = hstack(
-        stack(flexibility.rigid.as_ref(), zero.as_ref()),
-        stack(zero.as_ref(), flexibility.rigid.as_ref()),
-    );
+    let rigid = if parts == 1 {
+        flexibility.rigid.clone()
+    } else {
+        let zero = Mat::<f64>::zeros(n, n_rigid);
+        hstack(
+            stack(flexibility.rigid.as_ref(), zero.as_ref()),
+            stack(zero.as_ref(), flexibility.rigid.as_ref()),
+        )
+    };
     let b_rigid = apply_b(rigid.as_ref());
     let rigid_block = rigid.transpose() * &b_rigid;
     let rigid_factor = rigid_block.full_piv_lu();
-    // motions with strain at Omega > 0 satisfy R^T B x = 0
+    // motions with strain at Omega > 0 satisfy R^T B x = 0; in the rotating frame those that remain (along and
+    // about the axis) have no B, and any share of them will do
     let clean = |x: &mut Mat<f64>| {
-        if n_rigid > 0 {
+        if parts == 1 {
+            flexibility.without_rigid(x);
+        } else if n_rigid > 0 {
             let share = rigid_factor.solve(b_rigid.transpose() * &*x);
             *x -= &rigid * share;
         }
     };
     let solve = |f: Mat<f64>| {
-        let top = flexibility.solve(f.get(..n, ..).to_owned());
-        let bottom = flexibility.solve(f.get(n.., ..).to_owned());
-        let mut x = stack(top.as_ref(), bottom.as_ref());
+        let mut x = apart(&|f| flexibility.solve(f.to_owned()), f.as_ref());
         clean(&mut x);
         x
     };
     let pencil = Pencil {
-        size: 2 * n,
-        rank: 2 * (n - n_rigid),
-        apply_k: &|x| halves(&|a| multiply(&operators.stiffness, a), x),
+        size: parts * n,
+        rank: parts * (n - n_rigid),
+        apply_k: &|x| apart(&|a| multiply(&operators.stiffness, a), x),
         apply_b: &apply_b,
         solve: &solve,
         clean: &clean,
     };
     let wanted = expected.min(MOST);
-    let pairs = lanczos::lowest(&pencil, 2 * wanted)?;
+    let pairs = lanczos::lowest(&pencil, parts * wanted)?;
     if pairs.vectors.col_iter().any(|c| c.iter().any(|v| !v.is_finite())) {
         return Err(Error::analysis(
             "the synchronous eigenproblem has no finite solution",
@@ -129,9 +161,72 @@ pub fn critical_speeds(
             "check the disks' inertias: a free rotor with equal polar and diametral inertia has no steady whirl",
         ));
     }
-    let criticals = complex_shapes(operators, pairs.values, pairs.vectors);
-    let agrees = criticals.len() == wanted && criticals.last().is_none_or(|c| c.speed <= highest);
-    Ok((criticals, agrees))
+    let mut list = if parts == 1 {
+        let shape = |j: usize| pairs.vectors.col(j).iter().map(|&v| c64::new(v, 0.0)).collect();
+        let speeds = pairs.values.iter().enumerate();
+        speeds.map(|(j, value)| Critical { speed: value.sqrt(), shape: shape(j) }).collect()
+    } else {
+        complex_shapes(operators, pairs.values, pairs.vectors)
+    };
+    let mut imbalance = 0.0_f64;
+    if secant.is_some() {
+        list.iter_mut().for_each(|critical| settle(operators, critical));
+        list.sort_by(|a, b| a.speed.total_cmp(&b.speed));
+        for critical in &list {
+            imbalance = imbalance.max(left_over(operators, spectrum, critical));
+        }
+    }
+    let complete = list.len() == wanted && list.last().is_none_or(|c| c.speed <= highest * (1.0 + 1e-9));
+    Ok(Criticals { list, complete, imbalance })
+}
+
+/// The speed at which a shape is in balance in the mean, K being that of the speed itself. The error is the
+/// square of the shape's.
+fn settle(operators: &Operators, critical: &mut Critical) {
+    let x = &critical.shape;
+    let form = |a: &Sparse| product(x, &image(a, x));
+    let stiffness = form(&operators.stiffness).re;
+    let varying: Vec<f64> = operators.varying().map(|a| form(a).re).collect();
+    let inertia = if operators.is_rotating() {
+        0.0
+    } else {
+        form(&operators.mass).re + operators.gyroscopic.as_ref().map_or(0.0, |g| form(g).im)
+    };
+    let Some((centrifugal, changes)) = varying.split_first() else { return };
+    let mut speed = critical.speed;
+    for _ in 0..50 {
+        let weights = operators.weights(speed);
+        let stiffening: f64 = weights.iter().skip(1).zip(changes).map(|(w, change)| w * change).sum();
+        let next = ((stiffness + stiffening) / (inertia - centrifugal)).sqrt();
+        if !next.is_finite() {
+            return;
+        }
+        let change = (next / speed - 1.0).abs();
+        speed = next;
+        if change < 1e-15 {
+            break;
+        }
+    }
+    critical.speed = speed;
+}
+
+/// Energy norm of what a critical motion leaves out of balance, relative to the motion's.
+fn left_over(operators: &Operators, spectrum: &Spectrum, critical: &Critical) -> f64 {
+    let (x, square) = (&critical.shape, critical.speed * critical.speed);
+    let mut force = image(&operators.stiffness_at(critical.speed), x);
+    let mut add = |factor: c64, a: &Sparse| {
+        force.iter_mut().zip(image(a, x)).for_each(|(f, image)| *f += factor * image);
+    };
+    if !operators.is_rotating() {
+        add(c64::new(-square, 0.0), &operators.mass);
+        if let Some(g) = &operators.gyroscopic {
+            add(c64::new(0.0, square), g);
+        }
+    }
+    let forces = Mat::from_fn(x.len(), 2, |i, j| if j == 0 { force[i].re } else { force[i].im });
+    let answer = spectrum.flexibility.solve(forces.clone());
+    let energy: f64 = (0..2).map(|j| -> f64 { answer.col(j).transpose() * forces.col(j) }).sum();
+    (energy.max(0.0) / product(x, &image(&operators.stiffness, x)).re).sqrt()
 }
 
 /// Every complex eigenvector x stands in the real problem as x and i x: keeps one of each.
@@ -161,8 +256,12 @@ fn product(a: &[c64], b: &[c64]) -> c64 {
 }
 
 fn energy_image(operators: &Operators, x: &[c64]) -> Vec<c64> {
+    image(&operators.stiffness, x)
+}
+
+fn image(a: &Sparse, x: &[c64]) -> Vec<c64> {
     let parts = Mat::from_fn(x.len(), 2, |i, j| if j == 0 { x[i].re } else { x[i].im });
-    let image = multiply(&operators.stiffness, parts.as_ref());
+    let image = multiply(a, parts.as_ref());
     (0..x.len()).map(|i| c64::new(image[(i, 0)], image[(i, 1)])).collect()
 }
 
@@ -178,9 +277,6 @@ fn hstack(left: Mat<f64>, right: Mat<f64>) -> Mat<f64> {
 
 /// Mean angular momentum of a shape about x relative to a circular orbit's, in [-1, 1].
 pub fn momentum(operators: &Operators, shape: &[c64]) -> f64 {
-    let parts = Mat::from_fn(shape.len(), 2, |i, j| if j == 0 { shape[i].re } else { shape[i].im });
-    let complex =
-        |y: Mat<f64>| -> Vec<c64> { (0..shape.len()).map(|i| c64::new(y[(i, 0)], y[(i, 1)])).collect() };
-    let turning = product(shape, &complex(multiply(&operators.angular_momentum, parts.as_ref()))).im;
-    turning / product(shape, &complex(multiply(&operators.mass, parts.as_ref()))).re
+    let turning = product(shape, &image(&operators.angular_momentum, shape)).im;
+    turning / product(shape, &image(&operators.mass, shape)).re
 }

@@ -1,22 +1,23 @@
 //! The spinning shaft on a small basis: natural modes with static corrections.
 //!
-//! Stationary frame, classical form: `M u'' + (C + Omega G) u' + (K + X + Omega H) u = 0` with C the
-//! damping, X the cross-coupling of the bearings and H the circulatory terms of material damping. The
-//! basis holds the rigid motions, the lowest modes phi and the corrections `K^+ G phi` (and those of
-//! damping and bearings), without which torsion and axial modes are off by up to 7e-4. With `v = q'` and
-//! `s = w q` an undamped state matrix is skew, so its eigenvectors are orthonormal.
-//! Source: docs/theory.md section 6.
+//! The basis holds the rigid motions, the lowest modes phi at rest and static corrections: `K^+ G phi`, those of
+//! damping and bearings and, in the consistent form, of what spin adds to the stiffness. Without them torsion and
+//! axial modes are off by up to 7e-4. Source: docs/theory.md section 6.
 
+use super::operators::Operators;
 use super::spectrum::{Flexibility, Spectrum};
-use crate::assembly::Assembly;
+use super::state::AtSpeed;
+use super::stiffening::Nodes;
 use crate::error::Result;
 use crate::linalg::dense::{general, self_adjoint};
 use crate::linalg::sparse::{Sparse, multiply};
-use crate::model::Gyroscopic;
-use crate::support::bearing_rows;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef, c64};
 
+/// Share of the imaginary part below which an eigenvalue counts as real.
+const REAL: f64 = 1e-5;
+/// Decay over frequency from which a motion does not count as an oscillation.
+const CREEP: f64 = 100.0;
 /// Corrections of which less than this share (in energy) is new are not new directions.
 const DEPENDENT: f64 = 1e-12;
 /// Share of the energy of the largest of its kind below which a correction is rounding error.
@@ -24,64 +25,10 @@ const ROUNDING: f64 = 1e-20;
 /// Imbalance (in energy, relative to the motion) below which a motion needs no correction.
 const BALANCED: f64 = 1e-16;
 
-/// Sparse operators of a spinning shaft; absent ones act nowhere.
-pub struct Operators {
-    /// `M`.
-    pub mass: Sparse,
-    /// `K`.
-    pub stiffness: Sparse,
-    /// `G` per unit spin speed; `None` without gyroscopic terms.
-    pub gyroscopic: Option<Sparse>,
-    /// `C`.
-    pub damping: Option<Sparse>,
-    /// `X`.
-    pub cross_coupling: Option<Sparse>,
-    /// `H` per unit spin speed.
-    pub circulatory: Option<Sparse>,
-    /// `W = M J`.
-    pub angular_momentum: Sparse,
-    /// Static forces of bearings that damp or couple, in columns.
-    bearing_forces: Mat<f64>,
-}
-
-impl Operators {
-    /// Builds the operators that the model requires.
-    pub fn new(assembly: &Assembly<'_>, spectrum: &Spectrum, gyroscopic: Gyroscopic) -> Self {
-        let present = |a: Sparse| (a.compute_nnz() > 0).then_some(a);
-        let active = assembly.model.bearings.iter().filter(|b| {
-            b.damping.iter().flatten().any(|c| *c != 0.0) || b.stiffness[0][1] != b.stiffness[1][0]
-        });
-        let forces: Vec<Vec<f64>> = active
-            .flat_map(|b| bearing_rows(assembly.model, &assembly.numbering, b))
-            .map(|row| assembly.force(&row))
-            .collect();
-        Self {
-            mass: spectrum.mass.clone(),
-            stiffness: spectrum.stiffness.clone(),
-            gyroscopic: present(assembly.gyroscopic(gyroscopic)),
-            damping: present(assembly.damping()),
-            cross_coupling: present(assembly.cross_coupling()),
-            circulatory: present(assembly.circulatory()),
-            angular_momentum: assembly.angular_momentum(),
-            bearing_forces: Mat::from_fn(assembly.size(), forces.len(), |i, j| forces[j][i]),
-        }
-    }
-
-    /// True when energy is conserved: the eigenvalues are imaginary and critical speeds are real.
-    pub fn is_conservative(&self) -> bool {
-        self.damping.is_none() && self.cross_coupling.is_none() && self.circulatory.is_none()
-    }
-
-    /// True when the eigenvalues change with the spin speed.
-    pub fn depends_on_speed(&self) -> bool {
-        self.gyroscopic.is_some() || self.circulatory.is_some()
-    }
-}
-
 /// One whirl motion `u exp(lambda t)` on the reduced basis.
 #[derive(Debug, Clone)]
 pub struct Whirling {
-    /// Eigenvalue, 1/s; the imaginary part is the damped frequency and positive.
+    /// Eigenvalue, 1/s; the imaginary part is the damped frequency, zero for a motion that does not oscillate.
     pub lambda: c64,
     /// Right eigenvector of the state matrix.
     pub right: Vec<c64>,
@@ -102,15 +49,27 @@ pub struct Solution {
 pub struct Reduced {
     /// Basis in columns, mass-orthonormal: rigid motions first, then vectors with diagonal stiffness.
     pub basis: Mat<f64>,
-    n_rigid: usize,
+    /// Number of rigid motions.
+    pub n_rigid: usize,
     n_modes: usize,
-    /// Square roots of the diagonal stiffness; zero for rigid motions.
-    frequencies: Vec<f64>,
-    gyroscopic: Option<Mat<f64>>,
-    damping: Option<Mat<f64>>,
-    cross_coupling: Option<Mat<f64>>,
-    circulatory: Option<Mat<f64>>,
+    /// Square roots of the diagonal stiffness at rest; zero for rigid motions.
+    pub frequencies: Vec<f64>,
+    /// `G` per unit spin speed.
+    pub gyroscopic: Option<Mat<f64>>,
+    /// `C`.
+    pub damping: Option<Mat<f64>>,
+    /// `X`.
+    pub cross_coupling: Option<Mat<f64>>,
+    /// `H` per unit spin speed.
+    pub circulatory: Option<Mat<f64>>,
     angular_momentum: Mat<f64>,
+    /// Parts of `K(Omega) - K_0`: the centrifugal matrix, then the change at each node.
+    pub varying: Vec<Mat<f64>>,
+    /// What the rigid motions gain at each node, in columns.
+    pub turned: Vec<Mat<f64>>,
+    nodes: Option<Nodes>,
+    /// True in the frame that turns with the shaft.
+    pub rotating: bool,
 }
 
 impl Reduced {
@@ -128,7 +87,11 @@ impl Reduced {
         if let (Some(damping), Some(_)) = (&operators.damping, &operators.circulatory) {
             forces.push(multiply(damping, carriers.as_ref()));
         }
-        let answers: Vec<Mat<f64>> = forces
+        if let Some(secant) = operators.stiffening.as_ref().and_then(|s| operators.secant(s.nodes.highest()))
+        {
+            forces.push(multiply(&secant, carriers.as_ref()));
+        }
+        let mut answers: Vec<Mat<f64>> = forces
             .into_iter()
             .map(|f| {
                 let answer = spectrum.flexibility.solve(f.clone());
@@ -137,6 +100,12 @@ impl Reduced {
                 columns(&answer, |j| energy[j] > floor)
             })
             .collect();
+        // what rigid motions become must lie in the basis, or they would gain a frequency
+        answers.extend(operators.turned_states.iter().map(|turned| {
+            let mut turned = turned.clone();
+            spectrum.flexibility.without_rigid(&mut turned);
+            columns(&turned, |j| turned.col(j).norm_max() > 0.0)
+        }));
         let parts: Vec<MatRef<'_, f64>> = answers.iter().map(|f| f.as_ref()).collect();
         let corrections = hstack(&parts);
         let values = &spectrum.values[..modes];
@@ -159,7 +128,8 @@ impl Reduced {
         let part =
             |f: fn(&c64) -> f64| Mat::from_fn(shapes.nrows(), shapes.ncols(), |i, j| f(&shapes[(i, j)]));
         let (real, imaginary) = (part(|z| z.re), part(|z| z.im));
-        // residual of lambda^2 M u + lambda (C + Omega G) u + (K + X + Omega H) u, by real and imaginary part
+        let weights = operators.weights(speed);
+        // residual of lambda^2 M u + lambda (C + Omega G) u + (K(Omega) + X + Omega H) u, by real and imaginary part
         let products = |x: &Mat<f64>| -> [Mat<f64>; 3] {
             let apply = |a: &Option<Sparse>, factor: f64, sum: &mut Mat<f64>| {
                 if let Some(a) = a {
@@ -170,6 +140,9 @@ impl Reduced {
             apply(&operators.damping, 1.0, &mut on_velocity);
             apply(&operators.gyroscopic, speed, &mut on_velocity);
             let mut on_position = multiply(&operators.stiffness, x.as_ref());
+            for (weight, part) in weights.iter().zip(operators.varying()) {
+                on_position += multiply(part, x.as_ref()) * faer::Scale(*weight);
+            }
             apply(&operators.cross_coupling, 1.0, &mut on_position);
             apply(&operators.circulatory, speed, &mut on_position);
             [multiply(&operators.mass, x.as_ref()), on_velocity, on_position]
@@ -222,6 +195,14 @@ impl Reduced {
             cross_coupling: operators.cross_coupling.as_ref().map(reduce),
             circulatory: operators.circulatory.as_ref().map(reduce),
             angular_momentum: skew(reduce(&operators.angular_momentum)),
+            varying: operators.varying().map(reduce).collect(),
+            turned: operators
+                .turned_states
+                .iter()
+                .map(|x| basis.transpose() * multiply(&operators.mass, x.as_ref()))
+                .collect(),
+            nodes: operators.stiffening.as_ref().map(|s| s.nodes.clone()),
+            rotating: operators.is_rotating(),
             basis,
             n_rigid,
             n_modes: values.len(),
@@ -229,23 +210,32 @@ impl Reduced {
         })
     }
 
+    /// Factors of [`Self::varying`] at a speed.
+    pub fn weights(&self, speed: f64) -> Vec<f64> {
+        let nodes = self.nodes.iter().flat_map(|n| n.weights(speed));
+        if self.varying.is_empty() {
+            Vec::new()
+        } else {
+            std::iter::once(speed * speed).chain(nodes).collect()
+        }
+    }
+
     /// The motions of this (finer) basis expressed on `target`, up to what `target` does not hold.
-    pub fn onto(&self, target: &Self, operators: &Operators, mut solution: Solution) -> Solution {
+    ///
+    /// # Errors
+    /// A stiffness that is not positive.
+    pub fn onto(&self, target: &Self, operators: &Operators, mut solution: Solution) -> Result<Solution> {
         let map = target.basis.transpose() * multiply(&operators.mass, self.basis.as_ref());
-        let (n, r) = (self.size(), self.n_rigid);
-        let apply = |state: &[c64], power: i32| -> Vec<c64> {
-            let velocity = (0..target.size()).map(|i| (0..n).map(|j| state[j] * map[(i, j)]).sum());
-            let strain = (r..target.size()).map(|i| {
-                let weight = |j: usize| (target.frequencies[i] / self.frequencies[j]).powi(power);
-                (r..n).map(|j| state[n - r + j] * (map[(i, j)] * weight(j))).sum()
-            });
-            velocity.chain(strain).collect()
+        let (fine, coarse) = (AtSpeed::new(self, solution.speed)?, AtSpeed::new(target, solution.speed)?);
+        let apply = |x: &[c64]| -> Vec<c64> {
+            (0..map.nrows()).map(|i| (0..map.ncols()).map(|j| x[j] * map[(i, j)]).sum()).collect()
         };
         for motion in &mut solution.motions {
-            motion.right = apply(&motion.right, 1);
-            motion.left = motion.left.take().map(|left| apply(&left, -1));
+            motion.right = coarse.right_of(apply(&motion.right), motion.lambda);
+            motion.left =
+                motion.left.take().map(|left| coarse.left_of(apply(&left), &apply(&fine.covector(&left))));
         }
-        solution
+        Ok(solution)
     }
 
     /// Number of rigid motions that stay at zero frequency at a spin speed (a rigid tilt that whirls
@@ -274,49 +264,30 @@ impl Reduced {
         Mat::from_fn(re.nrows(), re.ncols(), |i, j| c64::new(re[(i, j)], im[(i, j)]))
     }
 
-    /// State matrix for `(v, s)`: `v' = -(C + Omega G) v - w s - (X + Omega H) q`, `s' = w v`.
-    fn state_matrix(&self, speed: f64) -> Mat<f64> {
-        let (n, r) = (self.size(), self.n_rigid);
-        let w = &self.frequencies;
-        let entry = |a: &Option<Mat<f64>>, i: usize, j: usize| a.as_ref().map_or(0.0, |a| a[(i, j)]);
-        Mat::from_fn(2 * n - r, 2 * n - r, |i, j| match (i < n, j < n) {
-            (true, true) => -entry(&self.damping, i, j) - speed * entry(&self.gyroscopic, i, j),
-            (true, false) => {
-                let k = j - n + r;
-                let turning = entry(&self.cross_coupling, i, k) + speed * entry(&self.circulatory, i, k);
-                -(if i == k { w[k] } else { 0.0 }) - turning / w[k]
-            }
-            (false, true) => {
-                if i - n + r == j {
-                    w[j]
-                } else {
-                    0.0
-                }
-            }
-            (false, false) => 0.0,
-        })
-    }
-
-    /// All oscillating motions at a spin speed.
+    /// All motions at a spin speed that oscillate and, in the rotating frame, those that grow without.
     ///
     /// # Errors
-    /// When the small eigenproblem fails.
+    /// When the small eigenproblem fails, or the shaft bursts.
     pub fn solve(&self, speed: f64) -> Result<Solution> {
-        let a = self.state_matrix(speed);
+        let at = AtSpeed::new(self, speed)?;
+        let a = at.state_matrix();
         let conservative =
             self.damping.is_none() && self.cross_coupling.is_none() && self.circulatory.is_none();
         let first = self.frequencies.get(self.n_rigid).copied().unwrap_or(0.0);
         let zero = 1e-6 * first;
-        let mut motions: Vec<Whirling> = if conservative {
+        let largest = self.frequencies.iter().copied().fold(0.0, f64::max);
+        // the solver's error is a rounding of the highest frequency: far below it, sharpen
+        let sharpened = |frequency: f64, state: &[c64]| {
+            if frequency < 1e-6 * largest { at.rayleigh(state, frequency) } else { frequency }
+        };
+        let mut motions: Vec<Whirling> = if conservative && at.is_skew() {
             let hermitian = Mat::from_fn(a.nrows(), a.ncols(), |i, j| c64::new(0.0, a[(i, j)]));
             let (values, vectors) = self_adjoint(hermitian.as_ref())?;
-            // the solver's error is a rounding of the highest frequency: far below it, sharpen
-            let low = 1e-6 * self.frequencies.iter().copied().fold(0.0, f64::max);
             let oscillating = (0..values.len()).filter(|&k| values[k] < -zero);
             oscillating
                 .map(|k| {
                     let right = column(vectors.as_ref(), k);
-                    let frequency = if -values[k] < low { self.rayleigh(speed, &right) } else { -values[k] };
+                    let frequency = sharpened(-values[k], &right);
                     Whirling { lambda: c64::new(0.0, frequency), right, left: None }
                 })
                 .collect()
@@ -324,31 +295,41 @@ impl Reduced {
             let (values, vectors) = general(a.as_ref())?;
             // rows of the inverse are the left vectors' conjugate transposes
             let inverse = vectors.partial_piv_lu().solve(Mat::<c64>::identity(a.nrows(), a.nrows()));
-            let oscillating = (0..values.len()).filter(|&k| values[k].im > zero);
-            oscillating
-                .map(|k| Whirling {
-                    lambda: values[k],
-                    right: column(vectors.as_ref(), k),
-                    left: Some((0..a.nrows()).map(|i| inverse[(k, i)].conj()).collect()),
-                })
-                .collect()
+            let is_real = |k: &usize| values[*k].im.abs() <= REAL * values[*k].norm();
+            let mut kept: Vec<usize> = (0..values.len())
+                .filter(|k| values[*k].im > if self.rotating { 0.0 } else { zero })
+                .filter(|k| values[*k].norm() > zero && !is_real(k))
+                // what creeps in space turns with the speed when seen from the shaft, and two planes that creep
+                // alike are a double real value, which rounding parts
+                .filter(|k| -values[*k].re <= CREEP * values[*k].im)
+                .collect();
+            if self.rotating {
+                // a pair of frequencies that met at zero goes on as a pair on the real axis: its growing half
+                let mut real: Vec<usize> =
+                    (0..values.len()).filter(|k| is_real(k) && values[*k].norm() > zero).collect();
+                real.sort_by(|&i, &j| values[j].re.total_cmp(&values[i].re));
+                kept.extend(&real[..real.len() / 2]);
+            }
+            let motion = |k: usize| {
+                let right = column(vectors.as_ref(), k);
+                let mut lambda = values[k];
+                if self.rotating && is_real(&k) {
+                    lambda.im = 0.0;
+                } else if conservative && lambda.re.abs() <= 1e-7 * lambda.im + 1e-13 * largest {
+                    lambda = c64::new(0.0, sharpened(lambda.im, &right));
+                }
+                let left = (0..a.nrows()).map(|i| inverse[(k, i)].conj()).collect();
+                Whirling { lambda, right, left: Some(left) }
+            };
+            kept.into_iter().map(motion).collect()
         };
+        for motion in &mut motions {
+            at.restored(&mut motion.right);
+            motion.left.iter_mut().for_each(|left| at.restored(left));
+        }
         motions.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
         self.circularise(&mut motions)?;
         Ok(Solution { speed, motions })
-    }
-
-    /// Frequency that balances a motion of velocities v in the mean: the positive root of
-    /// `w^2 v^H v - w Omega i v^H G v - v^H K v = 0`. Its error is the square of the motion's.
-    fn rayleigh(&self, speed: f64, state: &[c64]) -> f64 {
-        let v = &state[..self.size()];
-        let mass: f64 = v.iter().map(|v| v.norm_sqr()).sum();
-        let stiffness: f64 = v.iter().zip(&self.frequencies).map(|(v, w)| w * w * v.norm_sqr()).sum();
-        let turning = self.gyroscopic.as_ref().map_or(0.0, |g| {
-            let row = |i: usize| (0..v.len()).map(|j| v[j] * g[(i, j)]).sum::<c64>();
-            -speed * (0..v.len()).map(|i| (v[i].conj() * row(i)).im).sum::<f64>()
-        });
-        (turning + (turning * turning + 4.0 * mass * stiffness).sqrt()) / (2.0 * mass)
     }
 
     /// Where frequencies coincide up to rounding, their motions are arbitrary mixtures: chooses those of
@@ -388,6 +369,29 @@ impl Reduced {
             }
         }
         Ok(())
+    }
+
+    /// Number of critical speeds of the rotating frame below a speed, on this basis: negative directions of K.
+    ///
+    /// # Errors
+    /// When a small eigenproblem fails.
+    pub fn criticals_below(&self, speed: f64) -> Result<usize> {
+        let at = AtSpeed::new(self, speed)?;
+        let w = &self.frequencies[self.n_rigid..];
+        let n = w.len();
+        // over the frequencies at rest, so that no digit of the small ones is lost
+        let scaled = Mat::from_fn(n, n, |i, j| at.stiffness[(i, j)] / (w[i] * w[j]));
+        Ok(self_adjoint(scaled.as_ref())?.0.iter().filter(|v| **v < 0.0).count())
+    }
+
+    /// True when the energy of an undamped motion at frequency w is positive: `2 w v^H v + Omega Im(v^H G v)`.
+    pub fn energy_sign(&self, motion: &Whirling, speed: f64) -> bool {
+        let v = &motion.right[..self.size()];
+        let turning = self.gyroscopic.as_ref().map_or(0.0, |g| {
+            let row = |i: usize| (0..v.len()).map(|j| v[j] * g[(i, j)]).sum::<c64>();
+            (0..v.len()).map(|i| (v[i].conj() * row(i)).im).sum::<f64>()
+        });
+        2.0 * motion.lambda.im * v.iter().map(|v| v.norm_sqr()).sum::<f64>() + speed * turning > 0.0
     }
 
     /// `W v` for the velocities of a state, padded to its length.

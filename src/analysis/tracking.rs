@@ -27,13 +27,24 @@ pub struct Continuation {
 }
 
 /// `1` when two motions are the same, near `0` when they have nothing in common.
+///
+/// A motion stands for its complex conjugate too: in the rotating frame a forward whirl passes through zero
+/// frequency and comes out as the conjugate. Where two frequencies meet at zero and part on the real axis, the
+/// products of left and right vectors would be at least one half; doubled, they are certain.
 pub fn likeness(a: &Whirling, b: &Whirling) -> f64 {
-    let product = |x: &[c64], y: &[c64]| -> c64 { x.iter().zip(y).map(|(x, y)| x.conj() * y).sum() };
-    if a.left.is_none() && b.left.is_none() {
-        return product(&a.right, &b.right).norm_sqr();
-    }
+    let product = |x: &[c64], y: &[c64]| -> (f64, f64) {
+        let (mut plain, mut conjugate) = (c64::new(0.0, 0.0), c64::new(0.0, 0.0));
+        for (x, y) in x.iter().zip(y) {
+            plain += x.conj() * y;
+            conjugate += x.conj() * y.conj();
+        }
+        (plain.norm(), conjugate.norm())
+    };
     let (left_a, left_b) = (a.left.as_ref().unwrap_or(&a.right), b.left.as_ref().unwrap_or(&b.right));
-    (product(left_a, &b.right) * product(left_b, &a.right)).norm()
+    let (forth, back) = (product(left_a, &b.right), product(left_b, &a.right));
+    let (plain, conjugate) = (forth.0 * back.0, forth.1 * back.1);
+    let meets = (a.lambda.im == 0.0) != (b.lambda.im == 0.0);
+    plain.max(conjugate) * if meets { 2.0 } else { 1.0 }
 }
 
 /// Continues the motions `followed` of `from` to the speed of `to`, halving the interval where needed.

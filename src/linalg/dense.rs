@@ -109,6 +109,45 @@ pub fn graded_eigenvectors(a: &mut Mat<f64>) -> Mat<f64> {
     vectors
 }
 
+/// Lower factor L of a symmetric positive definite matrix `A = L L^T` (lower triangle read); `None` when it
+/// is not positive definite. A graded matrix keeps the digits of its small entries.
+pub fn cholesky(a: MatRef<'_, f64>) -> Option<Mat<f64>> {
+    let n = a.nrows();
+    let mut l: Mat<f64> = Mat::zeros(n, n);
+    for j in 0..n {
+        for i in j..n {
+            let rest = a[(i, j)] - (0..j).map(|k| l[(i, k)] * l[(j, k)]).sum::<f64>();
+            if i == j {
+                // written so that a pivot that is no number fails too
+                if !(rest > 1e-14 * a[(j, j)]) {
+                    return None;
+                }
+                l[(j, j)] = rest.sqrt();
+            } else {
+                l[(i, j)] = rest / l[(j, j)];
+            }
+        }
+    }
+    Some(l)
+}
+
+/// `A L^-T` for a lower triangle L.
+pub fn over_lower(a: &Mat<f64>, l: MatRef<'_, f64>) -> Mat<f64> {
+    let mut x = a.clone();
+    for j in 0..l.ncols() {
+        for k in 0..j {
+            let factor = l[(j, k)];
+            if factor != 0.0 {
+                for i in 0..x.nrows() {
+                    x[(i, j)] -= factor * x[(i, k)];
+                }
+            }
+        }
+        x.col_mut(j).iter_mut().for_each(|v| *v /= l[(j, j)]);
+    }
+    x
+}
+
 /// `|A x - lambda x|` of column j.
 fn residual(a: &Mat<c64>, lambda: c64, x: MatRef<'_, c64>, j: usize) -> f64 {
     let x = x.subcols(j, 1);

@@ -4,8 +4,8 @@ mod loads;
 mod motion;
 use super::mesh::{Mesh, SegmentPlan};
 use super::{
-    ActsOn, Bearing, CampbellSettings, Disk, ElementKind, Gyroscopic, Hub, Law, Material, Model, SectionHold,
-    Support, SupportKind,
+    ActsOn, Bearing, CampbellSettings, Disk, ElementKind, Form, Gyroscopic, Hub, Law, Material, Model,
+    SectionHold, Support, SupportKind, WhirlFrame,
 };
 use crate::case::{self, Case, LoadedCase, nearest};
 use crate::error::Result;
@@ -47,7 +47,7 @@ impl Model {
             statics: input.statics()?,
             spinup: input.spinup()?,
             modes: input.modes()?,
-            campbell: input.campbell()?,
+            campbell: input.campbell(sections.iter().all(Section::is_axisymmetric))?,
             materials,
             sections,
             elements: mesh.elements,
@@ -583,7 +583,8 @@ impl Input<'_> {
         }
     }
 
-    fn campbell(&self) -> Result<Option<CampbellSettings>> {
+    /// The sweep, of a rotor whose sections are all `round` or not.
+    fn campbell(&self, round: bool) -> Result<Option<CampbellSettings>> {
         let Some(c) = &self.case.campbell else { return Ok(None) };
         let (from, to) = (self.not_negative("campbell.speeds.from", c.speeds.from.0)?, c.speeds.to.0);
         if !(to > 0.0 && to.is_finite()) {
@@ -611,18 +612,21 @@ impl Input<'_> {
                 "\"frame\": \"stationary\"",
             );
         }
-        if c.frame == Some(case::Frame::Rotating) {
+        let form = match c.form {
+            Some(case::Form::Classical) => Form::Classical,
+            Some(case::Form::Consistent) | None => Form::Consistent,
+        };
+        let frame = match c.frame {
+            Some(case::Frame::Rotating) => WhirlFrame::Rotating,
+            Some(case::Frame::Stationary) => WhirlFrame::Stationary,
+            None if round || form == Form::Classical => WhirlFrame::Stationary,
+            None => WhirlFrame::Rotating,
+        };
+        if form == Form::Consistent && c.gyroscopic != case::Gyroscopic::All {
             return self.fault(
-                "campbell.frame",
-                "the rotating frame needs the tangent at the spinning state, which this version does not compute",
-                "\"stationary\"",
-            );
-        }
-        if c.form == Some(case::Form::Consistent) {
-            return self.fault(
-                "campbell.form",
-                "the consistent form needs the tangent at the spinning state, which this version does not compute",
-                "\"classical\"",
+                "campbell.gyroscopic",
+                "gyroscopic terms can be left out in the classical form only: in the consistent form they belong together with the centrifugal terms",
+                "\"all\", or \"form\": \"classical\"",
             );
         }
         let reduction = match c.reduction {
@@ -643,6 +647,8 @@ impl Input<'_> {
         Ok(Some(CampbellSettings {
             speeds: (0..count).map(|k| from + (to - from) * step(k)).collect(),
             modes,
+            frame,
+            form,
             reduction,
             gyroscopic: match c.gyroscopic {
                 case::Gyroscopic::All => Gyroscopic::All,

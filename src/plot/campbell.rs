@@ -31,6 +31,8 @@ const UNSTABLE_BELOW: f64 = -1e-9;
 const RPM: f64 = 60.0 / TAU;
 const ORDER_STROKE: Stroke = Stroke { color: style::GREY, width: 1.2, line: style::Line::DashDot };
 const LEADER: Stroke = Stroke::solid(style::GREY, 0.9);
+const RANGE: style::Color = style::PALE_RED;
+const RANGE_SAMPLE: Stroke = Stroke::solid(RANGE, 11.0);
 const BAND: Stroke = Stroke::solid(style::LIGHT_RED, 9.0);
 
 /// The diagram as SVG text; the same report always gives the same text.
@@ -39,11 +41,15 @@ pub fn svg(report: &Report<Campbell>) -> Result<String> {
 }
 
 fn paint(canvas: &mut Canvas, report: &Report<Campbell>) {
-    let title = format!("Campbell diagram: {}", report.case.title);
+    let title = format!(
+        "Campbell diagram, {} frame, {} form: {}",
+        report.results.frame, report.results.form, report.case.title
+    );
     style::title(canvas, WIDTH, &title);
     let below_title = style::below_title(WIDTH, &title);
     let diagram = Diagram::new(&report.results, below_title);
     let mut obstacles = Obstacles::new(&diagram);
+    diagram.paint_ranges(canvas);
     diagram.paint_axes(canvas);
     diagram.paint_orders(canvas, &mut obstacles);
     diagram.paint_curves(canvas);
@@ -137,6 +143,8 @@ struct Order {
 struct Diagram<'a> {
     curves: Vec<Curve<'a>>,
     marks: Vec<Mark<'a>>,
+    /// Unstable ranges, rpm.
+    ranges: Vec<(f64, f64)>,
     orders: Vec<Order>,
     frame: Rect,
     /// Right end of the gutter with the names, where the right axis stands.
@@ -164,7 +172,8 @@ impl<'a> Diagram<'a> {
         };
         let x = Scale { low, high, start: frame.left, end: frame.right };
         let y = Scale { low: 0.0, high: top, start: frame.bottom, end: frame.top };
-        Self { curves, marks, orders, frame, spine, x, y }
+        let ranges = results.unstable_ranges.iter().flatten().map(|r| (r.from_rpm, r.to_rpm)).collect();
+        Self { curves, marks, ranges, orders, frame, spine, x, y }
     }
 
     fn point(&self, rpm: f64, hz: f64) -> Point {
@@ -186,6 +195,20 @@ impl<'a> Diagram<'a> {
             }
         }
         parts
+    }
+
+    /// Shades the unstable ranges over the whole height, the narrowest still visible.
+    fn paint_ranges(&self, canvas: &mut Canvas) {
+        for &(from, to) in &self.ranges {
+            let (left, right) = (self.x.pixel(from), self.x.pixel(to));
+            let (middle, half) = ((left + right) / 2.0, ((right - left) / 2.0).max(0.75));
+            let frame = self.frame;
+            let left = (middle - half).clamp(frame.left, frame.right);
+            let right = (middle + half).clamp(frame.left, frame.right);
+            if left < right {
+                canvas.fill_rect(Rect { left, right, top: frame.top, bottom: frame.bottom }, RANGE);
+            }
+        }
     }
 
     fn paint_axes(&self, canvas: &mut Canvas) {
@@ -389,6 +412,9 @@ impl<'a> Diagram<'a> {
             let sample = Sample::Band(BAND, Stroke::solid(style::BLACK, 1.5));
             entries.push((sample, "unstable".to_owned()));
         }
+        if !self.ranges.is_empty() {
+            entries.push((Sample::Stroke(RANGE_SAMPLE), "unstable range of speed".to_owned()));
+        }
         entries.push((Sample::Stroke(ORDER_STROKE), "excitation order".to_owned()));
         for (damped, words) in [(false, "critical speed"), (true, "critical speed, damped (d)")] {
             if self.marks.iter().any(|mark| mark.critical.damped == damped) {
@@ -537,7 +563,8 @@ fn marks<'a>(results: &'a Campbell, curves: &[Curve]) -> Vec<Mark<'a>> {
 }
 
 /// Excitation lines. Seen from the rotating frame, an excitation at n times the speed is (n - 1) times the speed for
-/// forward and (n + 1) times for backward whirl; its forward 1x is the zero line.
+/// forward and (n + 1) times for backward whirl; its forward 1x is the zero line. A force fixed in space, gravity,
+/// turns backward at the speed itself.
 fn orders(results: &Campbell) -> Vec<Order> {
     let further =
         results.orders.iter().copied().filter(|order| order.is_finite() && *order > 0.0 && *order != 1.0);
@@ -545,7 +572,7 @@ fn orders(results: &Campbell) -> Vec<Order> {
     if results.frame != "rotating" {
         return factors.into_iter().map(|slope| Order { slope, label: format!("{slope}x") }).collect();
     }
-    let mut orders: Vec<Order> = vec![Order { slope: 1.0, label: "1x".to_owned() }];
+    let mut orders: Vec<Order> = vec![Order { slope: 1.0, label: "gravity".to_owned() }];
     for factor in factors {
         for (slope, sense) in [((factor - 1.0).abs(), "fwd"), (factor + 1.0, "bwd")] {
             let label = format!("{factor}x {sense}");

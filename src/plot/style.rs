@@ -37,6 +37,8 @@ pub const GREY: Color = RGBColor(130, 130, 130);
 pub const LIGHT_GREY: Color = RGBColor(226, 226, 226);
 /// Band under unstable stretches.
 pub const LIGHT_RED: Color = RGBColor(244, 160, 160);
+/// Backgrounds of what is unstable.
+pub const PALE_RED: Color = RGBColor(252, 228, 226);
 /// Background.
 pub const WHITE: Color = RGBColor(255, 255, 255);
 

@@ -89,10 +89,17 @@ pub fn campbell(results: &Campbell) -> String {
             ]
         })
         .collect();
-    let mut text = columns(
+    let mut text = format!("  {} frame, {} form\n\n", results.frame, results.form);
+    text += &columns(
         &["branch", "Hz at first speed", "Hz at last speed", "least log decrement", "whirl", "kind"],
         &rows,
     );
+    for range in results.unstable_ranges.iter().flatten() {
+        text += &format!(
+            "  unstable: {} from {:.3} to {:.3} rpm, growth rate up to {:.4} 1/s\n",
+            range.branch, range.from_rpm, range.to_rpm, range.largest_growth_rate_1_s
+        );
+    }
     text += "\n  critical speeds\n";
     if results.critical_speeds.is_empty() {
         return text + "  none within the sweep\n";

@@ -101,7 +101,8 @@ pub fn campbell(speeds: Vec<f64>, branches: Vec<Branch>, critical_speeds: Vec<Cr
         branches,
         critical_speeds,
         orders: vec![2.0],
-        reduction: Reduction { basis: Some(60), measured_error: Some(1e-8) },
+        unstable_ranges: None,
+        reduction: Reduction { basis: Some(60), measured_error: Some(1e-8), stiffening_error: None },
     }
 }
 

@@ -111,7 +111,27 @@ fn a_rotating_frame_shows_its_own_excitation_lines() {
     let mut results = data::rotor();
     results.frame = "rotating";
     let texts = drawn(results);
-    assert!(shows(&texts, "1x bwd") && shows(&texts, "rotating frame"));
+    assert!(shows(&texts, "1x bwd") && shows(&texts, "gravity") && shows(&texts, "rotating frame"));
+    assert!(!shows(&texts, "unstable range"));
+}
+
+#[test]
+fn unstable_ranges_are_shaded() {
+    let mut results = data::rotor();
+    let range = |from_rpm: f64, to_rpm: f64| UnstableRange {
+        from_rad_s: from_rpm * std::f64::consts::PI / 30.0,
+        to_rad_s: to_rpm * std::f64::consts::PI / 30.0,
+        from_rpm,
+        to_rpm,
+        branch: "1F".to_owned(),
+        largest_growth_rate_1_s: 2.0,
+    };
+    results.unstable_ranges =
+        Some(vec![range(2000.0, 2500.0), range(4000.0, 4000.1), range(9000.0, 20000.0)]);
+    let report = data::report("A rotor", results.clone());
+    let svg = campbell::svg(&report).expect("a diagram");
+    assert_eq!(svg.matches("#FCE4E2").count(), 4, "three ranges and the legend");
+    assert!(shows(&drawn(results), "unstable range of speed"));
 }
 
 #[test]

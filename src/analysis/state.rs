@@ -1,0 +1,205 @@
+//! First-order form of the reduced equations at one speed.
+//!
+//! Rigid motions deform with the shaft: at a speed they are the vectors N with `K(Omega) N = 0`, known from the
+//! equilibria. The reduced coordinates are turned so that N and an orthonormal complement Q part, and the state
+//! is (v, s): the velocities, and `s = S^T q` for the coordinates q along Q. With `S S^T = Q^T K Q` the state
+//! matrix of an undamped rotor is skew and its eigenvectors orthonormal. In the rotating frame K is indefinite
+//! above a critical speed; there S holds the frequencies at rest.
+
+use super::reduced::{Reduced, Whirling};
+use super::stiffening::burst;
+use crate::error::Result;
+use crate::linalg::dense::{cholesky, over_lower};
+use faer::linalg::solvers::Solve;
+use faer::{Mat, c64};
+
+/// The reduced equations at one speed.
+pub struct AtSpeed<'a> {
+    reduced: &'a Reduced,
+    speed: f64,
+    /// `[N, Q]`, orthonormal; `None` for the identity.
+    turn: Option<Mat<f64>>,
+    /// `Q^T K Q`.
+    pub stiffness: Mat<f64>,
+    /// `S`, lower triangular.
+    root: Mat<f64>,
+    /// True for `S S^T = Q^T K Q`.
+    factored: bool,
+}
+
+impl<'a> AtSpeed<'a> {
+    /// Turns the coordinates.
+    ///
+    /// # Errors
+    /// A stiffness that is not positive in the stationary frame: the shaft bursts.
+    pub fn new(reduced: &'a Reduced, speed: f64) -> Result<Self> {
+        let (n, r) = (reduced.size(), reduced.n_rigid);
+        let w = &reduced.frequencies;
+        let weights = reduced.weights(speed);
+        let mut stiffness = Mat::from_fn(n, n, |i, j| if i == j { w[i] * w[i] } else { 0.0 });
+        for (weight, part) in weights.iter().zip(&reduced.varying) {
+            stiffness += part * faer::Scale(*weight);
+        }
+        let turn = (r > 0 && !reduced.turned.is_empty()).then(|| turn(reduced, &weights));
+        if let Some(turn) = &turn {
+            stiffness = turn.transpose() * stiffness * turn;
+        }
+        let stiffness =
+            Mat::from_fn(n - r, n - r, |i, j| (stiffness[(i + r, j + r)] + stiffness[(j + r, i + r)]) / 2.0);
+        let diagonal = || Mat::from_fn(n - r, n - r, |i, j| if i == j { w[i + r] } else { 0.0 });
+        let (root, factored) = if reduced.varying.is_empty() || speed == 0.0 {
+            (diagonal(), true)
+        } else if reduced.rotating {
+            (diagonal(), false)
+        } else {
+            let root = cholesky(stiffness.as_ref())
+                .ok_or_else(|| burst(speed, "K_T - Omega^2 N, which is no longer positive definite"))?;
+            (root, true)
+        };
+        Ok(Self { reduced, speed, turn, stiffness, root, factored })
+    }
+
+    /// True when the state matrix of an undamped rotor is skew.
+    pub fn is_skew(&self) -> bool {
+        self.factored
+    }
+
+    /// `[N, Q]^T A [N, Q]`.
+    fn turned(&self, a: &Mat<f64>) -> Mat<f64> {
+        self.turn.as_ref().map_or_else(|| a.clone(), |t| t.transpose() * a * t)
+    }
+
+    /// Sum of operators with factors, turned.
+    fn sum(&self, parts: &[(f64, &Option<Mat<f64>>)]) -> Option<Mat<f64>> {
+        let mut sum: Option<Mat<f64>> = None;
+        for (factor, part) in parts {
+            if let Some(part) = part {
+                let scaled = part * faer::Scale(*factor);
+                sum = Some(sum.map_or_else(|| scaled.clone(), |s| s + &scaled));
+            }
+        }
+        sum.map(|s| self.turned(&s))
+    }
+
+    /// State matrix for `(v, s)`: `v' = -(C + Omega G) v - (K + X + Omega H) q`, `s' = S^T q'`.
+    pub fn state_matrix(&self) -> Mat<f64> {
+        let (n, r) = (self.reduced.size(), self.reduced.n_rigid);
+        let reduced = self.reduced;
+        let on_velocity = self.sum(&[(1.0, &reduced.damping), (self.speed, &reduced.gyroscopic)]);
+        let turning = self.sum(&[(1.0, &reduced.cross_coupling), (self.speed, &reduced.circulatory)]);
+        let mut force = if self.factored { self.root.clone() } else { self.stiffness.clone() };
+        if !self.factored {
+            force = over_lower(&force, self.root.as_ref());
+        }
+        let turning = turning.map(|x| over_lower(&x.get(.., r..).to_owned(), self.root.as_ref()));
+        let entry = |a: &Option<Mat<f64>>, i: usize, j: usize| a.as_ref().map_or(0.0, |a| a[(i, j)]);
+        Mat::from_fn(2 * n - r, 2 * n - r, |i, j| match (i < n, j < n) {
+            (true, true) => -entry(&on_velocity, i, j),
+            (true, false) => {
+                let elastic = if i >= r { force[(i - r, j - n)] } else { 0.0 };
+                -elastic - entry(&turning, i, j - n)
+            }
+            (false, true) if j >= r => self.root[(j - r, i - n)],
+            _ => 0.0,
+        })
+    }
+
+    /// Frequency near `guess` that balances a motion of velocities v (turned) in the mean: a root of
+    /// `w^2 v^H v - w Omega i v^H G v - v^H K v = 0`. Its error is the square of the motion's.
+    pub fn rayleigh(&self, state: &[c64], guess: f64) -> f64 {
+        let (n, r) = (self.reduced.size(), self.reduced.n_rigid);
+        let v = &state[..n];
+        let form = |a: &Mat<f64>, v: &[c64]| -> c64 {
+            let row = |i: usize| (0..v.len()).map(|j| v[j] * a[(i, j)]).sum::<c64>();
+            (0..v.len()).map(|i| v[i].conj() * row(i)).sum()
+        };
+        let mass: f64 = v.iter().map(|v| v.norm_sqr()).sum();
+        let stiffness = form(&self.stiffness, &v[r..]).re;
+        let gyroscopic = self.sum(&[(self.speed, &self.reduced.gyroscopic)]);
+        let turning = gyroscopic.map_or(0.0, |g| -form(&g, v).im);
+        let root = (turning * turning + 4.0 * mass * stiffness).sqrt();
+        let candidates = [(turning + root) / (2.0 * mass), (turning - root) / (2.0 * mass)];
+        let near = |w: &f64| (w - guess).abs();
+        let best =
+            candidates.into_iter().filter(|w| w.is_finite()).min_by(|a, b| near(a).total_cmp(&near(b)));
+        best.filter(|w| near(w) <= 1e-3 * guess.abs()).unwrap_or(guess)
+    }
+
+    /// Turns the velocities of a state into the reduced coordinates.
+    pub fn restored(&self, state: &mut [c64]) {
+        if let Some(turn) = &self.turn {
+            let turned = product(turn, &state[..self.reduced.size()]);
+            state[..turned.len()].copy_from_slice(&turned);
+        }
+    }
+
+    /// The state (or its left partner) of displacements (or forces) in the reduced coordinates that belong to
+    /// the velocities `v` and, for a left one, the covector `z` of the coordinates.
+    pub fn right_of(&self, v: Vec<c64>, lambda: c64) -> Vec<c64> {
+        let q: Vec<c64> = v.iter().map(|v| v / lambda).collect();
+        let along = self.along(&q);
+        let strain = (0..along.len()).map(|i| (i..along.len()).map(|k| along[k] * self.root[(k, i)]).sum());
+        v.into_iter().chain(strain.collect::<Vec<c64>>()).collect()
+    }
+
+    /// Covector of the reduced coordinates that the strain part of a left state stands for.
+    pub fn covector(&self, left: &[c64]) -> Vec<c64> {
+        let (n, r) = (self.reduced.size(), self.reduced.n_rigid);
+        let strain = &left[n..];
+        let along = (0..strain.len()).map(|i| (0..=i).map(|k| strain[k] * self.root[(i, k)]).sum::<c64>());
+        let padded: Vec<c64> = std::iter::repeat_n(c64::new(0.0, 0.0), r).chain(along).collect();
+        match &self.turn {
+            Some(turn) => product(turn, &padded),
+            None => padded,
+        }
+    }
+
+    /// Left state of velocities and a covector.
+    pub fn left_of(&self, v: Vec<c64>, covector: &[c64]) -> Vec<c64> {
+        let along = self.along(covector);
+        let right = Mat::from_fn(along.len(), 2, |i, j| if j == 0 { along[i].re } else { along[i].im });
+        let strain = self.root.partial_piv_lu().solve(right);
+        v.into_iter().chain((0..along.len()).map(|i| c64::new(strain[(i, 0)], strain[(i, 1)]))).collect()
+    }
+
+    /// `Q^T q`.
+    fn along(&self, q: &[c64]) -> Vec<c64> {
+        let r = self.reduced.n_rigid;
+        match &self.turn {
+            Some(turn) => product(&turn.transpose().to_owned(), q)[r..].to_vec(),
+            None => q[r..].to_vec(),
+        }
+    }
+
+    /// True for a motion that grows by more than rounding.
+    pub fn grows(motion: &Whirling) -> bool {
+        motion.lambda.re > 1e-8 * motion.lambda.norm()
+    }
+}
+
+fn product(a: &Mat<f64>, x: &[c64]) -> Vec<c64> {
+    (0..a.nrows()).map(|i| x.iter().enumerate().map(|(j, x)| x * a[(i, j)]).sum()).collect()
+}
+
+/// `[N, Q]`: orthonormal null vectors of the stiffness at a speed, and a complement as near to the other
+/// coordinates as can be (triangular factors, which keep graded coordinates apart).
+fn turn(reduced: &Reduced, weights: &[f64]) -> Mat<f64> {
+    let (n, r) = (reduced.size(), reduced.n_rigid);
+    let mut null = Mat::from_fn(n, r, |i, j| if i == j { 1.0 } else { 0.0 });
+    // the first of the varying parts is the centrifugal matrix, the others belong to the equilibria
+    for (weight, part) in weights.iter().skip(1).zip(&reduced.turned) {
+        null += part * faer::Scale(*weight);
+    }
+    let orthonormal = |x: &Mat<f64>, gram: Mat<f64>| match cholesky(gram.as_ref()) {
+        Some(l) => over_lower(x, l.as_ref()),
+        None => x.clone(),
+    };
+    let gram = null.transpose() * &null;
+    let null = orthonormal(&null, gram);
+    let elastic = null.get(r.., ..);
+    let complement =
+        Mat::from_fn(n, n - r, |i, j| if i == j + r { 1.0 } else { 0.0 }) - &null * elastic.transpose();
+    let gram = Mat::<f64>::identity(n - r, n - r) - elastic * elastic.transpose();
+    let complement = orthonormal(&complement, gram);
+    Mat::from_fn(n, n, |i, j| if j < r { null[(i, j)] } else { complement[(i, j - r)] })
+}
