@@ -6,9 +6,10 @@
 
 use crate::assembly::Assembly;
 use crate::element::nonlinear::{NonlinearElement, Scratch};
+use crate::element::structural::{AXIAL_POINTS, StructuralElement};
 use crate::error::{Error, Result};
 use crate::linalg::sparse::Sparse;
-use crate::model::{Law, Model};
+use crate::model::{Element, Law, Model};
 use crate::support::{self, Contribution};
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
@@ -19,11 +20,76 @@ const PARALLEL_FORCES: usize = 64;
 /// Elements from which it pays to evaluate tangents in parallel.
 const PARALLEL_TANGENTS: usize = 4;
 
+/// Internal forces of one type of element.
+enum ElementForces {
+    Continuum(Box<NonlinearElement>),
+    Structural(StructuralElement),
+}
+
+impl ElementForces {
+    fn new(model: &Model, e: &Element) -> Result<Self> {
+        let (section, material) = (&model.sections[e.section], &model.materials[e.material]);
+        let (r, quadrature) = (model.reference_length, model.quadrature);
+        if e.kind.law != Law::Structural {
+            let element = NonlinearElement::new(e.kind, section, material, e.length, r, quadrature);
+            return Ok(Self::Continuum(Box::new(element)));
+        }
+        if material.stiffness_damping != 0.0 {
+            return Err(Error::Usage(
+                "3333s has no stiffness damping in nonlinear analyses: its Kelvin-Voigt stress belongs to strains of \
+                 points, which its law does not use; set damping.stiffness of the material to 0, or take an element \
+                 34X1 .. 34X5 or 3333c"
+                    .to_owned(),
+            ));
+        }
+        let points = quadrature.axial.unwrap_or(AXIAL_POINTS);
+        Ok(Self::Structural(StructuralElement::new(section, material, e.length, r, points)))
+    }
+
+    fn size(&self) -> usize {
+        match self {
+            Self::Continuum(element) => element.size(),
+            Self::Structural(element) => element.size(),
+        }
+    }
+
+    fn internal_force(
+        &self,
+        q: &[f64],
+        velocity: Option<&[f64]>,
+        force: &mut [f64],
+        scratch: &mut Scratch,
+    ) -> f64 {
+        match self {
+            Self::Continuum(element) => element.internal_force(q, velocity, force, scratch),
+            Self::Structural(element) => element.internal_force(q, force),
+        }
+    }
+
+    fn tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
+        match self {
+            Self::Continuum(element) => element.tangent(q, tangent, scratch),
+            Self::Structural(element) => element.tangent(q, tangent),
+        }
+    }
+
+    /// `d (Kelvin-Voigt force) / d velocity`.
+    fn viscous_tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
+        match self {
+            Self::Continuum(element) => {
+                element.material_tangent(q, tangent, scratch);
+                tangent.iter_mut().for_each(|v| *v *= element.viscosity());
+            }
+            Self::Structural(_) => tangent.fill(0.0),
+        }
+    }
+}
+
 /// Elements and hubs of a shaft, ready to be evaluated.
 pub struct Forces<'a> {
     assembly: &'a Assembly<'a>,
     /// Distinct elements.
-    elements: Vec<NonlinearElement>,
+    elements: Vec<ElementForces>,
     /// Node and stiffness of rigid hubs.
     hubs: Vec<(usize, f64)>,
     /// First coordinate of every node of every element, and coordinates of one node.
@@ -43,20 +109,13 @@ impl<'a> Forces<'a> {
     /// Prepares the distinct elements of an assembly.
     ///
     /// # Errors
-    /// An element whose law has no nonlinear form here.
+    /// Stiffness damping of a material of 3333s, which this element does not offer.
     pub fn new(assembly: &'a Assembly<'a>) -> Result<Self> {
         let model = assembly.model;
-        let mut elements: Vec<NonlinearElement> = Vec::new();
-        let mut places = Vec::new();
+        let (mut elements, mut places) = (Vec::new(), Vec::new());
         for (i, e) in model.elements.iter().enumerate() {
-            if e.kind.law == Law::Structural {
-                return Err(Error::Usage("3333s has no nonlinear form in this version".to_owned()));
-            }
             if assembly.element_type(i) == elements.len() {
-                let (section, material) = (&model.sections[e.section], &model.materials[e.material]);
-                let r = model.reference_length;
-                let q = model.quadrature;
-                elements.push(NonlinearElement::new(e.kind, section, material, e.length, r, q));
+                elements.push(ElementForces::new(model, e)?);
             }
             let first = (e.first_node..=e.first_node + e.kind.axial_degree)
                 .map(|node| assembly.numbering.index(node, 0, 0))
@@ -159,7 +218,7 @@ impl<'a> Forces<'a> {
         &self,
         q: &[f64],
         mut nodal: Vec<Contribution>,
-        evaluate: impl Fn(&NonlinearElement, &[f64], &mut [f64], &mut Scratch) + Sync,
+        evaluate: impl Fn(&ElementForces, &[f64], &mut [f64], &mut Scratch) + Sync,
         hubs: bool,
     ) -> Sparse {
         let one = |work: &mut Workspace, e: usize| {
@@ -187,11 +246,12 @@ impl<'a> Forces<'a> {
 
     /// `d (Kelvin-Voigt force) / d velocity` in the free coordinates.
     pub fn viscous_tangent(&self, q: &[f64]) -> Sparse {
-        let evaluate = |element: &NonlinearElement, q: &[f64], k: &mut [f64], scratch: &mut Scratch| {
-            element.material_tangent(q, k, scratch);
-            k.iter_mut().for_each(|v| *v *= element.viscosity());
-        };
-        self.element_sum(q, Vec::new(), evaluate, false)
+        self.element_sum(
+            q,
+            Vec::new(),
+            |element, q, k, scratch| element.viscous_tangent(q, k, scratch),
+            false,
+        )
     }
 
     /// Rotation of the section at a node: orthonormal frame nearest to its r_,y and r_,z (columns are the

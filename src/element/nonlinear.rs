@@ -59,7 +59,8 @@ impl StressLaw {
 }
 
 /// Second Piola-Kirchhoff stress (Pa) for a Green-Lagrange strain. Of 3333c the part that acts over the volume; its
-/// Poisson coupling belongs to the axis alone.
+/// Poisson coupling belongs to the axis alone. The energy of 3333s knows no stress of points: what is given are its
+/// own moduli, E for each normal strain alone, ks G across the section and G in it.
 pub fn stress_at(law: Law, section: &Section, material: &Material, strain: &Matrix3<f64>) -> Matrix3<f64> {
     let law = StressLaw::new(law, section, material);
     Matrix3::from_fn(|i, j| {
