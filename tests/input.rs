@@ -5,7 +5,9 @@ mod common;
 use proptest::prelude::*;
 use rotor::case::{Case, LoadedCase};
 use rotor::error::{Error, Result};
-use rotor::model::Model;
+use rotor::model::{
+    Frame, Integrator, LoadKind, Model, Phase, Quadrature, SpinupSettings, StaticSettings, Traction,
+};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use std::process::Command;
@@ -29,7 +31,8 @@ fn valid() -> Value {
         "probes": [{ "name": "surface", "at": 0.3, "y": 0.05 }],
         "loads": [{ "at": 0.25, "force": [0, 1, 0] }],
         "modes": { "count": 4 },
-        "campbell": { "speeds": { "from": 0, "to": "1000 rpm", "count": 3 }, "modes": 2 }
+        "campbell": { "speeds": { "from": 0, "to": "1000 rpm", "count": 3 }, "modes": 2 },
+        "spinup": { "drive": [{ "until": 1, "speed": "1000 rpm" }, { "until": 2, "speed": 0 }] }
     })
 }
 
@@ -168,6 +171,60 @@ fn every_fault_names_path_value_and_remedy() {
         ("supports", json!([{ "at": 0, "fix": ["yyyy"] }]), "supports.0.fix.0", &["yyyy", "all, r, y, z"]),
         ("supports.1.stiffness", json!([[-1, 0], [0, 1]]), "supports.1.stiffness", &["statically unstable"]),
         ("supports.1.stiffness", json!([[1, 0], [0]]), "supports.1.stiffness.1", &["[0]"]),
+        // loads
+        ("loads.0.force.1", json!(1e31), "loads.0.force.1", &["extreme", "1e30"]),
+        ("loads.0.moment", json!([0, 0, -1e31]), "loads.0.moment.2", &["extreme"]),
+        ("gravity", json!([1e31, 0, 0]), "gravity.0", &["extreme"]),
+        (
+            "loads",
+            json!([{ "surface": "top", "traction": [0, 1e31, 0] }]),
+            "loads.0.traction.1",
+            &["extreme"],
+        ),
+        (
+            "loads",
+            json!([{ "surface": "top", "traction": [0, 1, 0], "follower": true }]),
+            "loads.0.follower",
+            &["not part of this version", "false"],
+        ),
+        ("loads", json!([{ "surface": "top" }]), "loads.0", &["incomplete or mixed"]),
+        ("loads", json!([{ "force": [0, 1, 0] }]), "loads.0.at", &["acts at a place"]),
+        // integration of nonlinear forces
+        ("shaft.quadrature", json!({ "axial": 1 }), "shaft.quadrature.axial", &["2 to 20"]),
+        ("shaft.quadrature", json!({ "axial": 21 }), "shaft.quadrature.axial", &["2 to 20"]),
+        ("shaft.quadrature", json!({ "section": 1 }), "shaft.quadrature.section", &["2 to 20"]),
+        ("shaft.quadrature", json!({ "section": 21 }), "shaft.quadrature.section", &["2 to 20"]),
+        // static
+        ("static", json!({ "load_steps": 0 }), "static.load_steps", &["1 to 10000"]),
+        ("static", json!({ "load_steps": 10_001 }), "static.load_steps", &["1 to 10000"]),
+        ("static", json!({ "max_iterations": 0 }), "static.max_iterations", &["1 to 1000"]),
+        ("static", json!({ "max_iterations": 1001 }), "static.max_iterations", &["1 to 1000"]),
+        ("static", json!({ "tolerance": 1e-32 }), "static.tolerance", &["between 1e-32 and 1e-2"]),
+        ("static", json!({ "tolerance": 0.01 }), "static.tolerance", &["between 1e-32 and 1e-2"]),
+        ("static", json!({ "tolerence": 1e-9 }), "static.tolerence", &["did you mean \"tolerance\""]),
+        // spin-up
+        ("spinup.drive", json!([]), "spinup.drive", &["no phase", "until"]),
+        ("spinup.drive.0.until", json!(0), "spinup.drive.0.until", &["no duration", "above 0 s"]),
+        ("spinup.drive.0.until", json!(-1), "spinup.drive.0.until", &["no duration"]),
+        ("spinup.drive.1.until", json!(1), "spinup.drive.1.until", &["do not ascend", "above 1 s"]),
+        ("spinup.drive.1.until", json!(2e9), "spinup.drive.1.until", &["extreme", "1e9"]),
+        ("spinup.drive.0.speed", json!(-1), "spinup.drive.0.speed", &["not be negative"]),
+        ("spinup.until", json!(0), "spinup.until", &["positive"]),
+        ("spinup.until", json!(2e9), "spinup.until", &["extreme", "1e9"]),
+        ("spinup.rtol", json!(0), "spinup.rtol", &["above 0, at most 0.1"]),
+        ("spinup.rtol", json!(0.2), "spinup.rtol", &["above 0, at most 0.1"]),
+        ("spinup.atol", json!(-1e-9), "spinup.atol", &["above 0, at most 0.1"]),
+        ("spinup.atol", json!(0.2), "spinup.atol", &["above 0, at most 0.1"]),
+        ("spinup.step", json!(0), "spinup.step", &["above 0, at most 2 s"]),
+        ("spinup.step", json!(3), "spinup.step", &["above 0, at most 2 s"]),
+        ("spinup.rho_infinity", json!(0.5), "spinup.rho_infinity", &["generalized-alpha"]),
+        ("spinup.output", json!(1), "spinup.output", &["2 to 1000000"]),
+        ("spinup.output", json!(1_000_001), "spinup.output", &["2 to 1000000"]),
+        ("spinup.max_steps", json!(0), "spinup.max_steps", &["at least 1"]),
+        ("supports.0.driven", json!(false), "spinup.drive", &["no driven end", "revolute or cylindrical"]),
+        ("supports.0.kind", json!("clamped"), "supports.0.kind", &["does not turn", "revolute"]),
+        // holding the axis alone does not turn the section
+        ("supports", json!([{ "at": 0, "fix": ["r"] }]), "spinup.drive", &["no driven end"]),
         // sweep
         ("campbell.speeds.to", json!(0), "campbell.speeds.to", &["above 0"]),
         ("campbell.speeds.to", json!(-5), "campbell.speeds.to", &["above 0"]),
@@ -266,6 +323,89 @@ fn rotors_that_do_not_fit_a_frame_are_refused() {
     assert!(run(&[one_way, ("campbell.form", json!("classical"))]).is_ok());
     assert!(refused(&[oval(), uneven(json!([[1e8, 1e6], [-1e6, 1e8]]))]).is_none());
     assert!(refused(&[frame("rotating")]).is_none());
+}
+
+#[test]
+fn settings_of_one_integrator_are_refused_by_others() {
+    let with = |integrator: &str, key: &str, value: Value| {
+        changed(&[("spinup.integrator", json!(integrator)), (key, value)])
+    };
+    let refused = |integrator, key: &str, value| {
+        let message = with(integrator, key, value).unwrap_err().to_string();
+        assert!(message.starts_with(&format!("bad.json: at `{key}`:")), "{message}");
+    };
+    refused("generalized-alpha", "spinup.rho_infinity", json!(1.1));
+    refused("generalized-alpha", "spinup.rho_infinity", json!(-0.1));
+    refused("adams", "spinup.rho_infinity", json!(0.5));
+    refused("adams", "spinup.step", json!(0.1));
+    for rho in [0.0, 1.0] {
+        let model = with("generalized-alpha", "spinup.rho_infinity", json!(rho)).unwrap();
+        assert_eq!(model.spinup.unwrap().rho_infinity, rho);
+    }
+}
+
+/// What the documentation of the keys promises for those that are left out.
+#[test]
+fn defaults_of_the_nonlinear_analyses() {
+    let model = build(valid()).unwrap();
+    assert_eq!(model.quadrature, Quadrature::EXACT);
+    assert_eq!(model.statics, StaticSettings { load_steps: 1, max_iterations: 40, tolerance: 1e-20 });
+    let speed = 1000.0 * std::f64::consts::PI / 30.0;
+    let expected = SpinupSettings {
+        drive: vec![Phase { until: 1.0, speed }, Phase { until: 2.0, speed: 0.0 }],
+        until: 2.0,
+        frame: Frame::Rotating,
+        integrator: Integrator::Esdirk,
+        rtol: 1e-4,
+        atol: 1e-7,
+        rho_infinity: 0.9,
+        step: None,
+        max_steps: 1_000_000,
+        output: 201,
+        steady: false,
+    };
+    assert_eq!(model.spinup, Some(expected));
+    let mut bare = valid();
+    bare.as_object_mut().unwrap().remove("spinup");
+    assert_eq!(build(bare).unwrap().spinup, None);
+}
+
+#[test]
+fn quadrature_by_name_and_by_points() {
+    let rule = |value: Value| changed(&[("shaft.quadrature", value)]).unwrap().quadrature;
+    assert_eq!(rule(json!("exact")), Quadrature::EXACT);
+    assert_eq!(rule(json!("reduced")), Quadrature { axial: Some(5), section: None });
+    assert_eq!(rule(json!({})), Quadrature::EXACT);
+    assert_eq!(rule(json!({ "axial": 2, "section": 20 })), Quadrature { axial: Some(2), section: Some(20) });
+}
+
+/// A force and a moment of one entry are two loads on the node at its place, an element end.
+#[test]
+fn loads_stand_at_element_ends() {
+    let loads = json!([
+        { "at": 0.3, "force": [0, 1, 0], "moment": [2, 0, 0] },
+        { "surface": "bottom", "traction": [0, 3, 0], "follower": false }
+    ]);
+    let model = changed(&[("loads", loads)]).unwrap();
+    let kinds: Vec<LoadKind> = model.loads.iter().map(|l| l.kind).collect();
+    assert_eq!(kinds, [LoadKind::Force([0.0, 1.0, 0.0]), LoadKind::Moment([2.0, 0.0, 0.0])]);
+    for load in &model.loads {
+        assert!((model.nodes[load.node].x - 0.3).abs() < 1e-12);
+        assert!(model.elements.iter().any(|e| e.first_node == load.node));
+    }
+    assert_eq!(model.tractions, [Traction { top: false, traction: [0.0, 3.0, 0.0] }]);
+}
+
+/// Supports that turn with the drive, and drives that turn nothing.
+#[test]
+fn drives_that_can_turn_the_shaft() {
+    for fix in [json!(["all"]), json!(["r", "y.z"]), json!(["r", "z.y"])] {
+        changed(&[("supports", json!([{ "at": 0, "fix": fix }]))]).unwrap_or_else(|e| panic!("{fix}: {e}"));
+    }
+    let still = json!([{ "until": 1, "speed": 0 }]);
+    for kind in ["clamped", "pinned"] {
+        changed(&[("spinup.drive", still.clone()), ("supports.0.kind", json!(kind))]).unwrap();
+    }
 }
 
 #[test]
@@ -388,6 +528,16 @@ proptest! {
         if let Ok(model) = Model::new(&value) {
             prop_assert!(model.length.is_finite() && model.reference_length > 0.0);
         }
+    }
+}
+
+#[test]
+fn the_schema_knows_the_keys_of_the_nonlinear_analyses() {
+    let schema = rotor::case::schema().to_string();
+    let keys = "quadrature axial section static load_steps max_iterations tolerance spinup drive until frame \
+                integrator rtol atol rho_infinity step max_steps output steady generalized-alpha";
+    for key in keys.split_whitespace() {
+        assert!(schema.contains(&format!("\"{key}\"")), "{key}");
     }
 }
 
