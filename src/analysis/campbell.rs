@@ -239,8 +239,8 @@ impl Solver<'_> {
             let targets: Vec<Whirling> = solution.motions.iter().take(wanted).cloned().collect();
             let (next, left) = current.refined(self.operators, self.spectrum, speed, &targets)?;
             // what no longer shrinks is rounding, and corrections of it would be noise in the basis
-            let stalled = left > imbalance / 2.0;
-            if let (true, Some(before)) = (left > imbalance, before.take()) {
+            let stalled = left > imbalance / 2.0 && left <= ACCEPTED;
+            if let (true, Some(before)) = (stalled && left > imbalance, before.take()) {
                 (solution, refined) = before;
             } else {
                 imbalance = left;
@@ -370,9 +370,12 @@ impl Solver<'_> {
                     place.map(|i| self.momentum(&solution.motions[i], solution.speed, kind))
                 })
                 .collect();
+            // seen from the shaft, branches that veer change their sense: what they mostly do counts
+            let mean = moments.iter().sum::<f64>() / moments.len().max(1) as f64;
             let strongest =
                 moments.iter().copied().fold(0.0, |m: f64, v| if v.abs() > m.abs() { v } else { m });
-            tracked.branch.whirl = sense(strongest, tracked.branch.kind);
+            let momentum = if self.operators.is_rotating() { mean } else { strongest };
+            tracked.branch.whirl = sense(momentum, tracked.branch.kind);
         }
         let mut counts: Vec<(ModeKind, Whirl, usize)> = Vec::new();
         for tracked in branches.iter_mut() {
