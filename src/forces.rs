@@ -43,6 +43,13 @@ impl ElementForces {
             ));
         }
         let points = quadrature.axial.unwrap_or(AXIAL_POINTS);
+        if points < 3 {
+            return Err(Error::Usage(
+                "3333s needs 3 or more Gauss points along an element: fewer leave zero-energy modes; set \
+                 shaft.quadrature.axial to 3 or more"
+                    .to_owned(),
+            ));
+        }
         Ok(Self::Structural(StructuralElement::new(section, material, e.length, r, points)))
     }
 
@@ -109,7 +116,7 @@ impl<'a> Forces<'a> {
     /// Prepares the distinct elements of an assembly.
     ///
     /// # Errors
-    /// Stiffness damping of a material of 3333s, which this element does not offer.
+    /// What 3333s does not offer: stiffness damping of its material, fewer than three Gauss points along an element.
     pub fn new(assembly: &'a Assembly<'a>) -> Result<Self> {
         let model = assembly.model;
         let (mut elements, mut places) = (Vec::new(), Vec::new());

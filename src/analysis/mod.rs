@@ -22,6 +22,7 @@ pub mod statics;
 pub mod stiffening;
 pub mod tracking;
 
+use crate::element::structural::AXIAL_POINTS;
 use crate::model::{Hub, Law, Model};
 use crate::results::{Diagnostic, ModelSummary};
 
@@ -88,7 +89,9 @@ fn nonlinear_summary(model: &Model, degrees_of_freedom: usize) -> ModelSummary {
 
 /// The integration of nonlinear forces in words.
 fn quadrature_name(model: &Model) -> String {
+    let structural = model.elements.iter().any(|e| e.kind.law == Law::Structural);
     match (model.quadrature.axial, model.quadrature.section) {
+        (None, None) if structural => format!("exact, of 3333s {AXIAL_POINTS} Gauss points along an element"),
         (None, None) => "exact".to_owned(),
         (axial, section) => {
             let points = |n: Option<usize>| n.map_or("exact".to_owned(), |n| format!("{n} Gauss points"));
