@@ -62,6 +62,8 @@ const PATIENCE: usize = 4;
 const SERVED: usize = 20;
 /// Relative change of the matrix' coefficients it may serve for.
 const STALE: f64 = 0.1;
+/// Relative change of the coefficients that makes no difference.
+const RIGHT: f64 = 0.01;
 /// Steps after which the number still needed is estimated.
 const SETTLED: usize = 200;
 
@@ -632,13 +634,15 @@ impl Newton {
         let mut fresh = false;
         loop {
             let [c_k, c_v, c_a] = stage.coefficients;
-            let serves = self.matrix.as_ref().is_some_and(|m| {
+            let stale = self.matrix.as_ref().map_or(f64::INFINITY, |m| {
                 let ([k, _, a], speed) = m.made_for;
                 // the Coriolis terms count beside the mass
                 let turned = 2.0 * (dynamics.drive.at(stage.t).speed - speed).abs() * c_v / c_a;
-                (c_a / c_k / (a / k) - 1.0).abs() < STALE && turned < STALE
+                (c_a / c_k / (a / k) - 1.0).abs().max(turned)
             });
-            if !serves || (self.slow && !fresh) {
+            // slow convergence with the right coefficients is for the secants, unless the tangent itself has aged
+            let limit = if !self.slow || fresh { STALE } else if self.present { 0.0 } else { RIGHT };
+            if stale >= limit && !(fresh && stale <= RIGHT) {
                 self.update(stage, x);
                 let state = self.present.then_some(&self.z[..]);
                 self.matrix = Some(dynamics.newton_matrix(stage.t, stage.coefficients, state)?);
@@ -649,7 +653,7 @@ impl Newton {
                 return Ok(true);
             }
             x.copy_from_slice(&guess);
-            if fresh {
+            if fresh || (stale <= RIGHT && !self.present) {
                 self.matrix = None;
                 return Ok(false);
             }
@@ -673,7 +677,7 @@ impl Newton {
         x: &mut [f64],
         tolerance: f64,
     ) -> bool {
-        let mut before = f64::INFINITY;
+        let (mut before, mut stalls) = (f64::INFINITY, 0);
         self.effort.0 += 1;
         for iteration in 0..ITERATIONS {
             self.effort.1 += 1;
@@ -695,7 +699,8 @@ impl Newton {
             if iteration > 0 {
                 self.rate = (size / before).max(0.3 * self.rate).max(FASTEST);
                 self.slow = size / before > SLOW;
-                if size / before > 0.9 {
+                stalls = if size / before > 0.9 { stalls + 1 } else { 0 };
+                if stalls > 1 || size > 2.0 * before {
                     // corrections that no longer shrink are rounding, or no solution
                     return size * tolerance < ROUNDING * dynamics.assembly.model.length;
                 }
