@@ -9,4 +9,11 @@ for case in cases/*.json; do
     if grep -q '"campbell": {' "$case"; then
         target/release/rotor campbell "$case" --quiet
     fi
+    if grep -q '"loads"' "$case"; then
+        target/release/rotor static "$case" --quiet
+    fi
+    # a run through a resonance repeats to the integrator's tolerance only: those with disks are not kept
+    if grep -q '"spinup": {' "$case" && ! grep -q '"disks"' "$case"; then
+        target/release/rotor spinup "$case" --quiet
+    fi
 done

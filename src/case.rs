@@ -586,8 +586,6 @@ pub enum Integrator {
     Esdirk,
     /// Generalized-alpha, order 2, robust.
     GeneralizedAlpha,
-    /// Explicit Adams predictor-corrector of variable order and step.
-    Adams,
 }
 
 fn no_speed() -> Speed {

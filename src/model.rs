@@ -322,8 +322,6 @@ pub enum Integrator {
     Esdirk,
     /// Generalized-alpha of Chung and Hulbert, spectral radius at infinity `rho_infinity` of the settings.
     GeneralizedAlpha,
-    /// Explicit Adams predictor-corrector of variable order and step.
-    Adams,
 }
 
 /// Settings of the spin-up.

@@ -106,14 +106,16 @@ pub fn run(
         Analysis::Static => {
             let outcome = analysis::statics::statics(&model).map_err(|e| refused(loaded, e))?;
             let report = report(loaded, outcome);
-            finish(&report, Vec::new(), table::statics(&report.results))
+            let svg = if plots { plot::motion::statics(&report)? } else { Vec::new() };
+            finish(&report, svg, table::statics(&report.results))
         }
         Analysis::Spinup => {
             let settings = model.spinup.as_ref().ok_or_else(|| missing_block(loaded, "spinup"))?;
             let outcome =
                 analysis::spinup::spinup(&model, settings, watch).map_err(|e| refused(loaded, e))?;
             let report = report(loaded, outcome);
-            finish(&report, Vec::new(), table::spinup(&report.results))
+            let svg = if plots { plot::motion::spinup(&report)? } else { Vec::new() };
+            finish(&report, svg, table::spinup(&report.results))
         }
     }
 }

@@ -338,8 +338,6 @@ fn settings_of_one_integrator_are_refused_by_others() {
     };
     refused("generalized-alpha", "spinup.rho_infinity", json!(1.1));
     refused("generalized-alpha", "spinup.rho_infinity", json!(-0.1));
-    refused("adams", "spinup.rho_infinity", json!(0.5));
-    refused("adams", "spinup.step", json!(0.1));
     for rho in [0.0, 1.0] {
         let model = with("generalized-alpha", "spinup.rho_infinity", json!(rho)).unwrap();
         assert_eq!(model.spinup.unwrap().rho_infinity, rho);

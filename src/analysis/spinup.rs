@@ -26,6 +26,8 @@ use std::ops::ControlFlow;
 const NEWTON: NewtonSettings = NewtonSettings { load_steps: 1, max_iterations: 40, tolerance: 1e-20 };
 /// Halvings that locate the speed of lost equilibrium.
 const BISECTIONS: usize = 20;
+/// Points of the orbit in every step.
+const ORBIT_POINTS: usize = 6;
 /// First step over the shortest phase.
 const FIRST_STEP: f64 = 1e-3;
 /// Error of the growth of a hollow section that calls for a warning.
@@ -102,7 +104,7 @@ fn run(
     let scale = dynamics.assembly.model.reference_length;
     let method = match settings.integrator {
         Integrator::GeneralizedAlpha => Method::GeneralizedAlpha { rho_infinity: settings.rho_infinity },
-        _ => Method::Esdirk,
+        Integrator::Esdirk => Method::Esdirk,
     };
     let implicit = Settings {
         method,
@@ -327,7 +329,13 @@ impl<'a> Recorder<'a> {
             self.sample(dynamics, t, &z, &v, &a, step.flows_at(t));
             self.next += 1;
         }
-        self.extreme(dynamics, step.end.t, &step.end.z);
+        for k in 1..=ORBIT_POINTS {
+            let t = step.start.t + (step.end.t - step.start.t) * k as f64 / ORBIT_POINTS as f64;
+            step.interpolate(t, &mut z, &mut v, &mut a);
+            let [_, y, z] = self.extreme(dynamics, t, &z);
+            let (sin, cos) = dynamics.drive.at(t).angle.sin_cos();
+            self.history.orbit_m.push([cos * y - sin * z, sin * y + cos * z]);
+        }
         if step.torque[1].abs() > self.extremes.torque_n_m {
             (self.extremes.torque_n_m, self.extremes.torque_time_s) = (step.torque[1].abs(), step.end.t);
         }
@@ -438,7 +446,6 @@ impl<'a> Recorder<'a> {
             integrator: Some(IntegratorSummary {
                 name: match settings.map(|s| s.integrator) {
                     Some(Integrator::GeneralizedAlpha) => "generalized-alpha",
-                    Some(Integrator::Adams) => "adams",
                     _ => "esdirk4(3)",
                 },
                 frame: if self.frame == Frame::Rotating { "rotating" } else { "inertial" },

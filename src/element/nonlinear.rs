@@ -94,6 +94,17 @@ impl Products {
         Self { starts, pairs }
     }
 
+    /// The same for squares: pairs with `e < f` once, then the pair of equals if there is one.
+    fn squares(&self) -> Self {
+        let (mut starts, mut pairs) = (vec![0], Vec::new());
+        for g in 0..self.starts.len() - 1 {
+            pairs.extend(self.of(g).iter().copied().filter(|(e, f)| e < f));
+            pairs.extend(self.of(g).iter().copied().filter(|(e, f)| e == f));
+            starts.push(pairs.len());
+        }
+        Self { starts, pairs }
+    }
+
     fn of(&self, target: usize) -> &[(u16, u16)] {
         &self.pairs[self.starts[target]..self.starts[target + 1]]
     }
@@ -113,6 +124,8 @@ pub struct NonlinearElement {
     sources: [Vec<(usize, f64)>; 3],
     /// Pairs for xx; xy and xz; yy, yz and zz.
     products: [Products; 3],
+    /// Squares for xx; for yy and zz.
+    squares: [Products; 2],
     /// Monomial of the product of monomials e and f at `e * fields[0] + f`.
     sum: Vec<u16>,
     /// Nonzero moments of each monomial: `(other monomial, int g h dA)`, ascending.
@@ -214,6 +227,8 @@ impl NonlinearElement {
             }
             table
         });
+        let products = [(n_vectors, n_vectors), (n_vectors, n_slopes), (n_slopes, n_slopes)]
+            .map(|(left, right)| Products::new(left, right, &index));
         Self {
             law: StressLaw::new(kind.law, section, material),
             n_nodes,
@@ -222,8 +237,8 @@ impl NonlinearElement {
             targets: [(2, 0), (2, 2), (2, 2), (2, 1), (2, 1), (2, 2)]
                 .map(|(f, less)| count(f * order - less)),
             sources: [plain, slopes((1, 0)), slopes((0, 1))],
-            products: [(n_vectors, n_vectors), (n_vectors, n_slopes), (n_slopes, n_slopes)]
-                .map(|(left, right)| Products::new(left, right, &index)),
+            squares: [products[0].squares(), products[2].squares()],
+            products,
             sum: index.iter().flatten().map(|&g| g as u16).collect(),
             moments,
             area: moment(0, 0),
@@ -274,7 +289,9 @@ impl NonlinearElement {
 
     /// Floating point operations of one force, counting a multiply-add as two.
     pub fn force_operations(&self) -> usize {
-        let products: usize = [0, 1, 2, 1, 1, 2].iter().map(|&p| self.products[p].pairs.len()).sum();
+        let products: usize = [1, 1, 2].iter().map(|&p| self.products[p].pairs.len()).sum::<usize>()
+            + self.squares[0].pairs.len()
+            + 2 * self.squares[1].pairs.len();
         let sums = |g: usize, h: usize| -> usize {
             self.moments[..g].iter().map(|row| row.iter().filter(|(m, _)| (*m as usize) < h).count()).sum()
         };
@@ -302,7 +319,9 @@ impl NonlinearElement {
                     }
                 }
                 let factor = simd.splat_f64s(factor);
-                *coefficient = sum.map(|v| simd.mul_f64s(v, factor));
+                for (coefficient, sum) in coefficient.iter_mut().zip(sum) {
+                    *coefficient = simd.mul_f64s(sum, factor);
+                }
             }
         }
     }
@@ -319,8 +338,10 @@ impl NonlinearElement {
         let half = simd.splat_f64s(0.5);
         for (place, &(alpha, beta)) in PAIRS.iter().enumerate() {
             let products = self.products_of(place);
-            dot_products(simd, products, &f[alpha][..], &f[beta][..], strains[place]);
-            if alpha == beta {
+            if alpha != beta {
+                dot_products(simd, products, &f[alpha][..], &f[beta][..], strains[place]);
+            } else {
+                square_products(simd, &self.squares[usize::from(alpha > 0)], &f[alpha][..], strains[place]);
                 strains[place][0] = simd.sub_f64s(strains[place][0], simd.splat_f64s(1.0));
             }
             if let Some(rate) = rate {
@@ -328,7 +349,9 @@ impl NonlinearElement {
                 add_dot_products(simd, products, viscosity, &f[alpha][..], &rate[beta][..], strains[place]);
                 add_dot_products(simd, products, viscosity, &rate[alpha][..], &f[beta][..], strains[place]);
             }
-            strains[place].iter_mut().for_each(|e| *e = simd.mul_f64s(*e, half));
+            for e in strains[place].iter_mut() {
+                *e = simd.mul_f64s(*e, half);
+            }
         }
     }
 
@@ -337,7 +360,10 @@ impl NonlinearElement {
     fn stresses<S: Simd>(&self, simd: S, strains: &[&mut [S::f64s]; 6], stresses: &mut [&mut [S::f64s]; 6]) {
         let zero = simd.splat_f64s(0.0);
         for alpha in 0..3 {
-            let modulus = self.law.normal[alpha].map(|m| simd.splat_f64s(m));
+            let mut modulus = [zero; 3];
+            for (modulus, value) in modulus.iter_mut().zip(self.law.normal[alpha]) {
+                *modulus = simd.splat_f64s(value);
+            }
             for (h, stress) in stresses[alpha].iter_mut().enumerate() {
                 let mut sum = simd.mul_f64s(modulus[0], strains[0][h]);
                 for beta in 1..3 {
@@ -360,9 +386,12 @@ impl NonlinearElement {
     fn axis_stress<S: Simd>(&self, simd: S, alpha: usize, strains: &[&mut [S::f64s]; 6]) -> S::f64s {
         let zero = simd.splat_f64s(0.0);
         let Some(law) = self.law.on_axis else { return zero };
-        (0..3).fold(zero, |sum, beta| {
-            simd.mul_add_e_f64s(simd.splat_f64s(self.area * law[alpha][beta]), strains[beta][0], sum)
-        })
+        let mut sum = zero;
+        for beta in 0..3 {
+            let modulus = simd.splat_f64s(self.area * law[alpha][beta]);
+            sum = simd.mul_add_e_f64s(modulus, strains[beta][0], sum);
+        }
+        sum
     }
 
     fn products_of(&self, place: usize) -> &Products {
@@ -394,14 +423,39 @@ fn dot_products<S: Simd>(
     c: &mut [S::f64s],
 ) {
     for (g, c) in c.iter_mut().enumerate() {
-        let mut sum = simd.splat_f64s(0.0);
+        // a sum for each component: three chains of operations go side by side
+        let mut sum = [simd.splat_f64s(0.0); 3];
         for &(e, f) in products.of(g) {
             let (a, b) = (&a[e as usize], &b[f as usize]);
-            sum = simd.mul_add_e_f64s(a[0], b[0], sum);
-            sum = simd.mul_add_e_f64s(a[1], b[1], sum);
-            sum = simd.mul_add_e_f64s(a[2], b[2], sum);
+            for i in 0..3 {
+                sum[i] = simd.mul_add_e_f64s(a[i], b[i], sum[i]);
+            }
         }
-        *c = sum;
+        *c = simd.add_f64s(simd.add_f64s(sum[0], sum[1]), sum[2]);
+    }
+}
+
+/// `c[g] = sum a[e] . a[f]` over the pairs with e f = g.
+#[inline(always)]
+fn square_products<S: Simd>(simd: S, squares: &Products, a: &[[S::f64s; 3]], c: &mut [S::f64s]) {
+    for (g, c) in c.iter_mut().enumerate() {
+        let zero = simd.splat_f64s(0.0);
+        let (mut sum, mut equals) = ([zero; 3], [zero; 3]);
+        for &(e, f) in squares.of(g) {
+            let (x, y) = (&a[e as usize], &a[f as usize]);
+            if e == f {
+                for i in 0..3 {
+                    equals[i] = simd.mul_f64s(x[i], x[i]);
+                }
+                break;
+            }
+            for i in 0..3 {
+                sum[i] = simd.mul_add_e_f64s(x[i], y[i], sum[i]);
+            }
+        }
+        let pairs = simd.add_f64s(simd.add_f64s(sum[0], sum[1]), sum[2]);
+        let equals = simd.add_f64s(simd.add_f64s(equals[0], equals[1]), equals[2]);
+        *c = simd.add_f64s(simd.add_f64s(pairs, pairs), equals);
     }
 }
 
@@ -434,15 +488,28 @@ fn integrate<S: Simd, const C: usize>(
     m: &mut [[S::f64s; C]],
 ) {
     for (m, row) in m.iter_mut().zip(moments) {
-        let mut sum = [simd.splat_f64s(0.0); C];
-        for &(h, value) in row {
-            let Some(p) = p.get(h as usize) else { break };
-            let value = simd.splat_f64s(value);
-            for (sum, p) in sum.iter_mut().zip(p) {
-                *sum = simd.mul_add_e_f64s(value, *p, *sum);
+        let zero = simd.splat_f64s(0.0);
+        let row = &row[..row.partition_point(|(h, _)| (*h as usize) < p.len())];
+        // two chains of operations go side by side
+        let (mut even, mut odd) = ([zero; C], [zero; C]);
+        let mut pairs = row.chunks_exact(2);
+        for pair in pairs.by_ref() {
+            let (x, y) = (simd.splat_f64s(pair[0].1), simd.splat_f64s(pair[1].1));
+            let (p, q) = (&p[pair[0].0 as usize], &p[pair[1].0 as usize]);
+            for k in 0..C {
+                even[k] = simd.mul_add_e_f64s(x, p[k], even[k]);
+                odd[k] = simd.mul_add_e_f64s(y, q[k], odd[k]);
             }
         }
-        *m = sum;
+        if let [(h, value)] = pairs.remainder() {
+            let (value, p) = (simd.splat_f64s(*value), &p[*h as usize]);
+            for k in 0..C {
+                even[k] = simd.mul_add_e_f64s(value, p[k], even[k]);
+            }
+        }
+        for k in 0..C {
+            m[k] = simd.add_f64s(even[k], odd[k]);
+        }
     }
 }
 
@@ -505,10 +572,11 @@ impl WithSimd for Force<'_> {
             for alpha in 0..3 {
                 let vectors = if alpha == 0 { &mut *on_slopes } else { &mut *on_values };
                 for (e, &(k, factor)) in element.sources[alpha].iter().enumerate() {
+                    let row = &element.sum[e * element.n_vectors..(e + 1) * element.n_vectors];
                     let mut sum = [zero; 3];
                     for beta in 0..3 {
                         let t = &*t[place(alpha, beta)];
-                        for (index, f) in element.sum[e * element.n_vectors..].iter().zip(&*f[beta]) {
+                        for (index, f) in row.iter().zip(&*f[beta]) {
                             let t = t[*index as usize];
                             for (sum, f) in sum.iter_mut().zip(f) {
                                 *sum = simd.mul_add_e_f64s(t, *f, *sum);
@@ -651,7 +719,9 @@ impl NonlinearElement {
                             }
                         }
                         if geometric {
-                            sum[..3].iter_mut().for_each(|s| *s = simd.add_f64s(*s, stresses[alpha][h]));
+                            for sum in &mut sum[..3] {
+                                *sum = simd.add_f64s(*sum, stresses[alpha][h]);
+                            }
                         }
                         *target = sum;
                     }
@@ -664,7 +734,9 @@ impl NonlinearElement {
                         }
                         if geometric {
                             let stress = self.axis_stress(simd, alpha, &strains);
-                            six[0][..3].iter_mut().for_each(|m| *m = simd.add_f64s(*m, stress));
+                            for m in &mut six[0][..3] {
+                                *m = simd.add_f64s(*m, stress);
+                            }
                         }
                     }
                     for m in six[..count].iter().flatten() {

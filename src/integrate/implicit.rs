@@ -641,7 +641,13 @@ impl Newton {
                 (c_a / c_k / (a / k) - 1.0).abs().max(turned)
             });
             // slow convergence with the right coefficients is for the secants, unless the tangent itself has aged
-            let limit = if !self.slow || fresh { STALE } else if self.present { 0.0 } else { RIGHT };
+            let limit = if !self.slow || fresh {
+                STALE
+            } else if self.present {
+                0.0
+            } else {
+                RIGHT
+            };
             if stale >= limit && !(fresh && stale <= RIGHT) {
                 self.update(stage, x);
                 let state = self.present.then_some(&self.z[..]);

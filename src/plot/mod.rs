@@ -3,4 +3,6 @@
 
 pub mod campbell;
 pub mod modes;
+pub mod motion;
+pub mod panels;
 pub mod style;

@@ -187,6 +187,9 @@ pub struct History {
     pub probes: BTreeMap<String, Vec<[f64; 3]>>,
     /// Displacement `[x, y, z]` of the axis at mid-length in fixed directions.
     pub mid_span_m: Vec<[f64; 3]>,
+    /// The same path `[y, z]` with several points of every step, for drawing.
+    #[serde(skip)]
+    pub orbit_m: Vec<[f64; 2]>,
     /// Growth of the section at mid-length along y and z of the section.
     pub growth_m: Vec<[f64; 2]>,
     /// Growth of a long body with free ends at that speed; circles and tubes only.
@@ -249,7 +252,7 @@ pub struct EnergyBalance {
 /// What the integration took.
 #[derive(Debug, Clone, Serialize)]
 pub struct IntegratorSummary {
-    /// "esdirk4(3)", "generalized-alpha" or "adams".
+    /// "esdirk4(3)" or "generalized-alpha".
     pub name: &'static str,
     /// "rotating" or "inertial".
     pub frame: &'static str,

@@ -83,11 +83,7 @@ impl Input<'_> {
         let integrator = match s.integrator {
             case::Integrator::Implicit | case::Integrator::Esdirk => Integrator::Esdirk,
             case::Integrator::GeneralizedAlpha => Integrator::GeneralizedAlpha,
-            case::Integrator::Adams => Integrator::Adams,
         };
-        if integrator == Integrator::Adams && step.is_some() {
-            return self.fault(&at("step"), "the Adams integrator chooses its steps", "no step");
-        }
         if s.rho_infinity.is_some() && integrator != Integrator::GeneralizedAlpha {
             let allowed = "only with \"integrator\": \"generalized-alpha\"";
             return self.fault(&at("rho_infinity"), "the integrator has no such parameter", allowed);

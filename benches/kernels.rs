@@ -1,0 +1,94 @@
+//! Force and tangent of one element, and what share of the core's peak they reach.
+
+use divan::Bencher;
+use divan::counter::ItemsCount;
+use rotor::element::nonlinear::{NonlinearElement, Scratch};
+use rotor::model::{ElementKind, Law, Material, Quadrature};
+use rotor::section::Section;
+
+fn main() {
+    divan::main();
+}
+
+const QUADRATURES: [(&str, Quadrature); 3] = [
+    ("exact", Quadrature::EXACT),
+    ("5 stations", Quadrature { axial: Some(5), section: None }),
+    ("4 stations", Quadrature { axial: Some(4), section: None }),
+];
+
+fn element(order: usize, quadrature: usize) -> (NonlinearElement, Vec<f64>) {
+    let kind = ElementKind { axial_degree: 3, section_order: order, law: Law::Continuum };
+    let steel = Material {
+        youngs_modulus: 2.1e11,
+        poisson_ratio: 0.3,
+        density: 7850.0,
+        stiffness_damping: 0.0,
+        mass_damping: 0.0,
+    };
+    let rule = QUADRATURES[quadrature].1;
+    let element = NonlinearElement::new(kind, &Section::circle(0.1), &steel, 0.3, 0.1, rule);
+    let n = kind.n_vectors();
+    let q = (0..element.size())
+        .map(|i| {
+            let (node, vector, c) = (i / 3 / n, i / 3 % n, i % 3);
+            let straight = match (vector, c) {
+                (0, 0) => 0.1 * node as f64,
+                (1, 1) | (2, 2) => 0.1,
+                _ => 0.0,
+            };
+            straight + 0.001 * (0.7 * i as f64).sin()
+        })
+        .collect();
+    (element, q)
+}
+
+/// Items are floating point operations (a multiply-add is two): divan prints them per second.
+#[divan::bench(args = [(1, 0), (2, 0), (3, 0), (3, 1), (3, 2), (4, 0), (5, 0)])]
+fn force(bencher: Bencher<'_, '_>, (order, quadrature): (usize, usize)) {
+    let (element, q) = element(order, quadrature);
+    let mut scratch = Scratch::default();
+    let mut force = vec![0.0; q.len()];
+    bencher
+        .counter(ItemsCount::new(element.force_operations()))
+        .bench_local(|| element.internal_force(divan::black_box(&q), None, &mut force, &mut scratch));
+}
+
+#[divan::bench(args = [(1, 0), (2, 0), (3, 0), (3, 1), (3, 2), (4, 0), (5, 0)])]
+fn tangent(bencher: Bencher<'_, '_>, (order, quadrature): (usize, usize)) {
+    let (element, q) = element(order, quadrature);
+    let mut scratch = Scratch::default();
+    let mut tangent = vec![0.0; q.len() * q.len()];
+    bencher.bench_local(|| element.tangent(divan::black_box(&q), &mut tangent, &mut scratch));
+}
+
+/// Independent multiply-adds in registers: the core's peak, in the same units.
+#[divan::bench]
+fn peak(bencher: Bencher<'_, '_>) {
+    const ROUNDS: usize = 1000;
+    struct Run;
+    impl pulp::WithSimd for Run {
+        type Output = f64;
+        #[inline(always)]
+        fn with_simd<S: pulp::Simd>(self, simd: S) -> f64 {
+            let factor = simd.splat_f64s(divan::black_box(0.999));
+            let mut sums = [simd.splat_f64s(1.0); 12];
+            for _ in 0..ROUNDS {
+                for sum in &mut sums {
+                    *sum = simd.mul_add_e_f64s(*sum, factor, factor);
+                }
+            }
+            sums.iter().map(|s| simd.reduce_sum_f64s(*s)).sum()
+        }
+    }
+    let lanes = pulp::Arch::new().dispatch(Lanes);
+    bencher.counter(ItemsCount::new(2 * 12 * ROUNDS * lanes)).bench_local(|| pulp::Arch::new().dispatch(Run));
+}
+
+struct Lanes;
+
+impl pulp::WithSimd for Lanes {
+    type Output = usize;
+    fn with_simd<S: pulp::Simd>(self, _: S) -> usize {
+        S::F64_LANES
+    }
+}

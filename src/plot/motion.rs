@@ -1,0 +1,195 @@
+//! Plots of `rotor static` and `rotor spinup`: the section, the deformed axis, and a run over time.
+
+use super::panels::{Curve, Mark, Panel, STROKES, Surroundings, figure};
+use super::style::{self, Line, Marker, Point, Stroke};
+use crate::error::Result;
+use crate::results::{History, PointState, Profile, Report, Spinup, Static};
+use std::f64::consts::PI;
+
+/// Part of the section's size that its largest displacement takes when drawn.
+const VISIBLE: f64 = 0.15;
+
+/// Figures as `(file name, SVG text)`.
+type Figures = Vec<(String, String)>;
+
+/// static.svg and section.svg.
+///
+/// # Errors
+/// A failure of the drawing library.
+pub fn statics(report: &Report<Static>) -> Result<Figures> {
+    let results = &report.results;
+    let n = results.axis.len();
+    let x: Vec<f64> = (0..n).map(|k| k as f64 / (n.max(2) - 1) as f64).collect();
+    let component = |c: usize| results.axis.iter().map(|u| u[c]).collect();
+    let panel = Panel::over(
+        ("Position over the shaft's length", "-"),
+        ("Displacement of the axis", "m"),
+        &x,
+        vec![("along x", component(0)), ("along y", component(1)), ("along z", component(2))],
+    );
+    let remarks = format!("Load factor {:.4}.", results.load_factor);
+    let axis = figure(&Surroundings::new(report, "Static equilibrium", remarks.clone()), &[panel], 1)?;
+    let section = section(report, &results.profile, &remarks)?;
+    Ok(vec![("static.svg".to_owned(), axis), ("section.svg".to_owned(), section)])
+}
+
+/// section.svg, and for a transient spinup.svg, orbit.svg and energy.svg.
+///
+/// # Errors
+/// A failure of the drawing library.
+pub fn spinup(report: &Report<Spinup>) -> Result<Figures> {
+    let last = &report.results.last;
+    let remarks = format!("At {:.2} rpm, seen from the turning frame.", last.speed_rpm);
+    let mut figures = vec![("section.svg".to_owned(), section(report, &last.profile, &remarks)?)];
+    let Some(history) = &report.results.history else { return Ok(figures) };
+    figures.push(("spinup.svg".to_owned(), run(report, history)?));
+    figures.push(("orbit.svg".to_owned(), orbit(report, history)?));
+    figures.push(("energy.svg".to_owned(), energy(report, history)?));
+    Ok(figures)
+}
+
+fn run(report: &Report<Spinup>, h: &History) -> Result<String> {
+    const TIME: (&str, &str) = ("Time", "s");
+    let rpm = h.speed_rad_s.iter().map(|w| w * 30.0 / PI).collect();
+    let along = |i: usize| h.growth_m.iter().map(|g| g[i]).collect();
+    let mut growth = vec![("along y", along(0)), ("along z", along(1))];
+    if h.closed_form_growth_m.len() == h.time_s.len() {
+        growth.push(("long body, free ends (closed form)", h.closed_form_growth_m.clone()));
+    }
+    let panels = [
+        Panel::over(TIME, ("Speed", "rpm"), &h.time_s, vec![("speed of the drive", rpm)]),
+        Panel::over(TIME, ("Growth of the radius", "m"), &h.time_s, growth),
+        Panel::over(
+            TIME,
+            ("Torque", "N m"),
+            &h.time_s,
+            vec![("torque of the drive", h.drive_torque_n_m.clone())],
+        ),
+    ];
+    figure(
+        &Surroundings::new(report, "Run-up", "Growth of the section at mid-length.".to_owned()),
+        &panels,
+        1,
+    )
+}
+
+fn orbit(report: &Report<Spinup>, h: &History) -> Result<String> {
+    let points: Vec<Point> = h.orbit_m.iter().map(|u| (u[1], u[0])).collect();
+    let radius = |p: &Point| p.0.hypot(p.1);
+    let farthest = points.iter().copied().max_by(|a, b| radius(a).total_cmp(&radius(b)));
+    let mark = |name: &str, marker, color, at: Option<Point>| {
+        at.map(|at| Mark { name: name.to_owned(), marker, color, at })
+    };
+    let marks = [
+        mark("start", Marker::Disc, style::GREEN, points.first().copied()),
+        mark("end", Marker::Square, style::VERMILLION, points.last().copied()),
+        mark("largest radius", Marker::Triangle, style::BLACK, farthest),
+    ];
+    let curve =
+        Curve { name: "axis at mid-length".to_owned(), stroke: Stroke { width: 1.2, ..STROKES[0] }, points };
+    let panel = Panel {
+        across: ("Displacement along z", "m"),
+        up: ("Displacement along y", "m"),
+        curves: vec![curve],
+        marks: marks.into_iter().flatten().collect(),
+        equal: true,
+    };
+    let remarks = "Fixed directions, equal scales; the x axis points to the viewer's back.".to_owned();
+    figure(&Surroundings::new(report, "Orbit", remarks), &[panel], 1)
+}
+
+fn energy(report: &Report<Spinup>, h: &History) -> Result<String> {
+    let e = &h.energy_j;
+    let curves = vec![
+        ("kinetic", e.kinetic.clone()),
+        ("strain", e.strain.clone()),
+        ("potential", e.potential.clone()),
+        ("work of the drive", e.drive_work.clone()),
+        ("absorbed", e.absorbed.clone()),
+    ];
+    let panels = [
+        Panel::over(("Time", "s"), ("Energy", "J"), &h.time_s, curves),
+        Panel::over(
+            ("Time", "s"),
+            ("Energy", "J"),
+            &h.time_s,
+            vec![("lost by the integrator", e.lost.clone())],
+        ),
+    ];
+    let remarks = "Lost: work of the drive less change of energy less absorbed energy.".to_owned();
+    figure(&Surroundings::new(report, "Energy balance", remarks), &panels, 1)
+}
+
+/// Displacement, stresses and invariants along y and z of a section, and its deformed outline.
+fn section<R>(report: &Report<R>, profile: &Profile, remarks: &str) -> Result<String> {
+    let mut panels = Vec::new();
+    for (axis, states) in [(0, &profile.along_y), (1, &profile.along_z)] {
+        let across = [("Position along y", "m"), ("Position along z", "m")][axis];
+        let place: Vec<f64> = states.iter().map(|s| [s.y_m, s.z_m][axis]).collect();
+        let list = |f: &dyn Fn(&PointState) -> f64| states.iter().map(f).collect::<Vec<f64>>();
+        panels.push(Panel::over(
+            across,
+            ("Displacement", "m"),
+            &place,
+            vec![("along y", list(&|s| s.displacement_m[1])), ("along z", list(&|s| s.displacement_m[2]))],
+        ));
+        let stress = |k: usize| list(&|s| s.stress_pa.cauchy[k]);
+        panels.push(Panel::over(
+            across,
+            ("Cauchy stress", "Pa"),
+            &place,
+            vec![("xx", stress(0)), ("yy", stress(1)), ("zz", stress(2))],
+        ));
+        panels.push(Panel::over(
+            across,
+            ("Invariants", "Pa"),
+            &place,
+            vec![
+                ("I1", list(&|s| s.stress_pa.i1)),
+                ("I2^(1/2)", list(&|s| s.stress_pa.i2.signum() * s.stress_pa.i2.abs().sqrt())),
+                ("I3^(1/3)", list(&|s| s.stress_pa.i3.cbrt())),
+            ],
+        ));
+    }
+    // columns: along y, along z
+    let (along_z, mut ordered) = (panels.split_off(3), Vec::new());
+    for (y, z) in panels.into_iter().zip(along_z) {
+        ordered.extend([y, z]);
+    }
+    let (outline, scale) = outline(profile);
+    ordered.push(outline);
+    let remarks = format!(
+        "Section at x = {:.4} m. {remarks} Roots of the invariants keep their sign. Outline displaced {scale} times, its centre held.",
+        profile.at_m
+    );
+    figure(&Surroundings::new(report, "Section", remarks), &ordered, 2)
+}
+
+/// The deformed outline over the undeformed one, and the factor of its displacements.
+fn outline(profile: &Profile) -> (Panel, String) {
+    let size = profile.outlines.iter().flatten().fold(0.0, |m: f64, p| m.max(p[0].abs()).max(p[1].abs()));
+    let moved = profile.outline_displacements.iter().flatten().fold(0.0, |m: f64, u| m.max(u[0].hypot(u[1])));
+    let wanted = if moved > 0.0 { VISIBLE * size / moved } else { 1.0 };
+    let power = 10f64.powf(wanted.log10().floor());
+    let scale = power * [5.0, 2.0].into_iter().find(|f| f * power <= wanted).unwrap_or(1.0);
+    let mut curves = Vec::new();
+    for (k, (line, displaced)) in profile.outlines.iter().zip(&profile.outline_displacements).enumerate() {
+        let name = if k == 0 { "" } else { ", bore" };
+        curves.push(Curve {
+            name: format!("undeformed{name}"),
+            stroke: Stroke { color: style::GREY, width: 1.2, line: Line::Dashed },
+            points: line.iter().map(|p| (p[1], p[0])).collect(),
+        });
+        curves.push(Curve {
+            name: format!("deformed{name}"),
+            stroke: STROKES[0],
+            points: line
+                .iter()
+                .zip(displaced)
+                .map(|(p, u)| (p[1] + scale * u[1], p[0] + scale * u[0]))
+                .collect(),
+        });
+    }
+    let panel = Panel { across: ("z", "m"), up: ("y", "m"), curves, marks: Vec::new(), equal: true };
+    (panel, format!("{scale:.0e}"))
+}
