@@ -1,7 +1,8 @@
 //! Rotordynamics on the higher-order ANCF beam element 34X3.
 //!
 //! Data flows one way; each module uses only what stands before it:
-//! `units, error, json, vectors -> case -> model -> element -> assembly -> analysis -> results -> plot, report -> cli`.
+//! `units, error, json, vectors -> case -> model -> element -> assembly, forces, dynamics -> integrate -> analysis ->
+//! results -> plot, report -> cli`.
 //!
 //! ```
 //! use rotor::{analysis::modes::modes, case::LoadedCase, model::Model};

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! give force and tangent by look-ups. A section rule with points only replaces H. Stations lie side by
-//! side in SIMD lanes. Source: docs/theory.md section 3 (formulas), docs/theory.md section 10 (this form).
+//! side in SIMD lanes. Source: derived in docs/theory.md section 3.
 
 use super::basis::{derivative, evaluate, lagrange};
 use super::continuum::{lame, shear_correction};
