@@ -298,7 +298,8 @@ fn rotors_that_do_not_fit_a_frame_are_refused() {
         refusal.map(|r| (r.path, format!("{} {}", r.reason, r.remedy)))
     };
     let frame = |f: &str| ("campbell.frame", json!(f));
-    let table: [(&[(&str, Value)], &str, &str); 7] = [
+    type Row<'a> = (&'a [(&'a str, Value)], &'a str, &'a str);
+    let table: [Row<'_>; 7] = [
         (&[oval(), frame("stationary")], "shaft.segments", "rotating"),
         (&[oval(), uneven(json!([[1e8, 0], [0, 2e8]]))], "supports", "periodically"),
         (&[oval(), uneven(json!([[1e8, 1e6], [1e6, 1e8]]))], "supports", "periodically"),
