@@ -586,6 +586,8 @@ pub enum Integrator {
     Esdirk,
     /// Generalized-alpha, order 2, robust.
     GeneralizedAlpha,
+    /// Explicit Adams predictor and corrector of variable order and step: follows the fastest vibration.
+    Adams,
 }
 
 fn no_speed() -> Speed {

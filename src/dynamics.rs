@@ -21,7 +21,7 @@ use crate::loads::{dead_loads, weight};
 use crate::model::{Frame, Model, SupportKind};
 use crate::support::{displacement_weights, drives};
 use crate::vectors::exponents;
-use faer::Mat;
+use faer::{Mat, MatMut};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// How a Newton matrix follows the motion of a node's section.
@@ -250,16 +250,6 @@ impl<'a> Dynamics<'a> {
         self.viscous
     }
 
-    /// True when the free coordinates of turned nodes keep a constant mass matrix, as an explicit integrator
-    /// in the inertial frame needs.
-    pub fn has_constant_mass(&self) -> bool {
-        self.nodes.iter().filter(|n| n.turned).all(|n| {
-            // only axial components are free
-            let free = self.assembly.free_among(n.start..n.end);
-            free.into_iter().all(|i| (i - n.start) % 3 == 0)
-        })
-    }
-
     /// Position, velocity and acceleration of all coordinates in the frame of evaluation.
     fn move_to(&mut self, turn: Turn, z: &[f64], v: &[f64], a: &[f64]) {
         let m = &mut self.memory;
@@ -342,8 +332,7 @@ impl<'a> Dynamics<'a> {
             f[1] -= cos * load[1] + sin * load[2];
             f[2] -= cos * load[2] - sin * load[1];
         }
-        let moment = |(s, f): (&[f64], &[f64])| s[1] * f[2] - s[2] * f[1];
-        self.powers.torque = m.position.chunks_exact(3).zip(m.inertia.chunks_exact(3)).map(moment).sum();
+        self.powers.torque = moment(&m.position, &m.inertia);
         m.residual.iter_mut().zip(&m.inertia).for_each(|(r, f)| *r += f);
         let (sin, cos) = turn.angle.sin_cos();
         for node in self.nodes.iter().filter(|n| n.turned) {
@@ -382,10 +371,24 @@ impl<'a> Dynamics<'a> {
         a.fill(0.0);
         self.evaluate(t, z, v, a);
         self.project(a);
-        let mut x = Mat::from_fn(a.len(), 1, |i, _| -a[i]);
-        self.mass_factor.solve_in_place(x.as_mut());
+        a.iter_mut().for_each(|a| *a = -*a);
+        let n = a.len();
+        self.mass_factor.solve_in_place(MatMut::from_column_major_slice_mut(a, n, 1));
         self.counts.solves += 1;
-        a.iter_mut().enumerate().for_each(|(i, a)| *a = x[(i, 0)]);
+    }
+
+    /// Adds the inertia of accelerations to the forces of the last evaluation, which was made without them.
+    pub fn add_acceleration(&mut self, t: f64, a: &[f64]) {
+        let m = &mut self.memory;
+        self.assembly.expand_into(a, &mut m.acceleration);
+        let (sin, cos) = self.drive.at(t).angle.sin_cos();
+        for node in self.nodes.iter().filter(|n| n.turned) {
+            for at in (node.start..node.end).step_by(3) {
+                turn_pair(&mut m.acceleration[at..], sin, cos);
+            }
+        }
+        self.mass.multiply(&m.acceleration, &mut m.damping);
+        self.powers.torque += moment(&m.position, &m.damping);
     }
 
     /// Newton matrix for `z = z0 + c_k x, z' = v0 + c_v x, z'' = a0 + c_a x`: of the undeformed shaft, turned with
@@ -489,7 +492,6 @@ impl<'a> Dynamics<'a> {
         m.inertia.resize(n, 0.0);
         let strain = self.forces.internal_force(&m.position, None, &mut m.residual, &mut self.work);
         self.mass.multiply(&m.velocity, &mut m.inertia);
-        let moment = |(s, p): (&[f64], &[f64])| s[1] * p[2] - s[2] * p[1];
         let (sin, cos) = if self.frame == Frame::Rotating { turn.angle.sin_cos() } else { (0.0, 1.0) };
         let mut potential = 0.0;
         for ((q, q0), f) in
@@ -502,7 +504,7 @@ impl<'a> Dynamics<'a> {
             kinetic: dot(&m.velocity, &m.inertia) / 2.0,
             strain,
             potential,
-            angular_momentum: m.position.chunks_exact(3).zip(m.inertia.chunks_exact(3)).map(moment).sum(),
+            angular_momentum: moment(&m.position, &m.inertia),
         }
     }
 
@@ -569,6 +571,12 @@ fn reflections(assembly: &Assembly<'_>) -> Vec<Vec<f64>> {
             assembly.restrict(&signs)
         })
         .collect()
+}
+
+/// Moment about x of forces (or momenta) on all coordinates, `sum y_k f_z,k - z_k f_y,k`: rotation turns every vector.
+fn moment(position: &[f64], force: &[f64]) -> f64 {
+    let one = |(s, f): (&[f64], &[f64])| s[1] * f[2] - s[2] * f[1];
+    position.chunks_exact(3).zip(force.chunks_exact(3)).map(one).sum()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -322,6 +322,8 @@ pub enum Integrator {
     Esdirk,
     /// Generalized-alpha of Chung and Hulbert, spectral radius at infinity `rho_infinity` of the settings.
     GeneralizedAlpha,
+    /// Explicit Adams predictor and corrector of variable order and step.
+    Adams,
 }
 
 /// Settings of the spin-up.

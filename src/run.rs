@@ -111,6 +111,9 @@ pub fn run(
         }
         Analysis::Spinup => {
             let settings = model.spinup.as_ref().ok_or_else(|| missing_block(loaded, "spinup"))?;
+            if let Some(refused) = analysis::spinup::refusal(&model, settings) {
+                return Err(loaded.fault(refused.path, refused.reason, refused.remedy));
+            }
             let outcome =
                 analysis::spinup::spinup(&model, settings, watch).map_err(|e| refused(loaded, e))?;
             let report = report(loaded, outcome);

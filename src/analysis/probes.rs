@@ -7,7 +7,7 @@ use crate::model::{Element, Model};
 use crate::results::{PointState, ProbeState, Profile, Stress};
 use crate::section::{Section, Shape};
 use crate::vectors::exponents;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, RowVector3, Vector3};
 
 /// Points of a profile.
 const PROFILE: usize = 17;
@@ -21,35 +21,42 @@ fn element_at(model: &Model, x: f64) -> &Element {
     model.elements.iter().find(inside).unwrap_or(&model.elements[model.elements.len() - 1])
 }
 
-/// Position (m) and deformation gradient of the point `(x, y, z)` for coordinates q.
-fn position(
-    assembly: &Assembly<'_>,
-    q: &[f64],
-    e: &Element,
-    [x, y, z]: [f64; 3],
-) -> (Vector3<f64>, Matrix3<f64>) {
+/// Shape functions of the point `(x, y, z)`: for every vector of its element the first coordinate, the function's
+/// value and its gradient (1/m).
+fn shape(assembly: &Assembly<'_>, e: &Element, [x, y, z]: [f64; 3]) -> Vec<(usize, f64, [f64; 3])> {
     let r = assembly.model.reference_length;
     let xi = (2.0 * (x - e.x) / e.length - 1.0).clamp(-1.0, 1.0);
     let (eta, zeta) = (y / r, z / r);
     let power = |base: f64, n: usize| base.powi(n as i32) / (1..=n).map(|k| k as f64).product::<f64>();
     let lower = |base: f64, n: usize| if n > 0 { power(base, n - 1) / r } else { 0.0 };
-    let (mut place, mut gradient) = (Vector3::zeros(), Matrix3::zeros());
+    let mut list = Vec::with_capacity(e.kind.n_nodes() * e.kind.n_vectors());
     for (i, l) in lagrange(e.kind.axial_degree).iter().enumerate() {
         let (value, slope) = (evaluate(l, xi), evaluate(&derivative(l), xi) * 2.0 / e.length);
         for (k, (a, b)) in exponents(e.kind.section_order).into_iter().enumerate() {
+            let (plain, by_y, by_z) = (
+                power(eta, a) * power(zeta, b),
+                lower(eta, a) * power(zeta, b),
+                power(eta, a) * lower(zeta, b),
+            );
             let at = assembly.numbering.index(e.first_node + i, k, 0);
-            let vector = Vector3::new(q[at], q[at + 1], q[at + 2]);
-            place += vector * (value * power(eta, a) * power(zeta, b));
-            let row = [
-                slope * power(eta, a) * power(zeta, b),
-                value * lower(eta, a) * power(zeta, b),
-                value * power(eta, a) * lower(zeta, b),
-            ];
-            for (c, weight) in row.into_iter().enumerate() {
-                let column = gradient.column(c) + vector * weight;
-                gradient.set_column(c, &column);
-            }
+            list.push((at, value * plain, [slope * plain, value * by_y, value * by_z]));
         }
+    }
+    list
+}
+
+/// Position (m) and deformation gradient of a point for coordinates q.
+fn position(
+    assembly: &Assembly<'_>,
+    q: &[f64],
+    e: &Element,
+    point: [f64; 3],
+) -> (Vector3<f64>, Matrix3<f64>) {
+    let (mut place, mut gradient) = (Vector3::zeros(), Matrix3::zeros());
+    for (at, value, slopes) in shape(assembly, e, point) {
+        let vector = Vector3::new(q[at], q[at + 1], q[at + 2]);
+        place += vector * value;
+        gradient += vector * RowVector3::from(slopes);
     }
     (place, gradient)
 }
@@ -133,7 +140,7 @@ pub fn profile(assembly: &Assembly<'_>, q: &[f64]) -> Profile {
         .filter(|&inner| !inner || section.is_hollow())
         .map(|inner| section.outline(inner, OUTLINE))
         .collect();
-    let centre = section_centre(assembly, q, x, &section);
+    let centre = Centre::new(assembly, x, &section).displacement(q);
     let moved = |&[y, z]: &[f64; 2]| {
         let u = displacement(assembly, q, [x, y, z]);
         [u[1] - centre[1], u[2] - centre[2]]
@@ -142,15 +149,30 @@ pub fn profile(assembly: &Assembly<'_>, q: &[f64]) -> Profile {
     Profile { at_m: x, along_y: along(0), along_z: along(1), outlines, outline_displacements }
 }
 
-/// Mean displacement of four opposite surface points: the section's centre, also where a bore is.
-pub fn section_centre(assembly: &Assembly<'_>, q: &[f64], x: f64, section: &Section) -> [f64; 3] {
-    let [cy, cz] = section.outer;
-    let mut mean = [0.0; 3];
-    for [y, z] in [[cy, 0.0], [-cy, 0.0], [0.0, cz], [0.0, -cz]] {
-        let u = displacement(assembly, q, [x, y, z]);
-        mean.iter_mut().zip(u).for_each(|(m, u)| *m += u / 4.0);
+/// The mean displacement of four opposite surface points: the section's centre, also where a bore is.
+pub struct Centre {
+    place: [f64; 3],
+    /// First coordinate and weight of every vector that moves it.
+    weights: Vec<(usize, f64)>,
+}
+
+impl Centre {
+    /// The centre of the section at x (m).
+    pub fn new(assembly: &Assembly<'_>, x: f64, section: &Section) -> Self {
+        let e = element_at(assembly.model, x);
+        let [cy, cz] = section.outer;
+        let points = [[cy, 0.0], [-cy, 0.0], [0.0, cz], [0.0, -cz]];
+        let shapes = points.map(|[y, z]| shape(assembly, e, [x, y, z]));
+        let weight = |k: usize| shapes.iter().map(|s| s[k].1 / 4.0).sum::<f64>();
+        let weights = shapes[0].iter().enumerate().map(|(k, s)| (s.0, weight(k)));
+        Self { place: [x, 0.0, 0.0], weights: weights.filter(|(_, w)| *w != 0.0).collect() }
     }
-    mean
+
+    /// Its displacement for coordinates q, m.
+    pub fn displacement(&self, q: &[f64]) -> [f64; 3] {
+        let of = |c: usize| self.weights.iter().map(|(at, w)| w * q[at + c]).sum::<f64>() - self.place[c];
+        [of(0), of(1), of(2)]
+    }
 }
 
 /// Growth of the outer half extents along y and z: half the change of the distance between opposite points.

@@ -5,20 +5,21 @@
 
 use super::equilibrium::{Balance, Equilibrium, NewtonSettings};
 use super::growth::{closed_form, polynomial_error};
-use super::probes::{
-    displacement, growth, largest_strain, mid_section, probe_states, profile, section_centre,
-};
+use super::probes::{Centre, displacement, growth, largest_strain, mid_section, probe_states, profile};
+use super::remarks::Refusal;
 use super::statics::{newton_summary, pinned_remark, strain_remark};
 use super::{Outcome, nonlinear_summary, quadrature_name};
 use crate::assembly::Assembly;
 use crate::drive::Drive;
 use crate::dynamics::{Dynamics, State};
 use crate::error::{Error, Result};
-use crate::integrate::implicit::{self, Flows, Method, Moment, Progress, Settings, Step};
+use crate::integrate::implicit::Scheme;
+use crate::integrate::{self, Flows, Method, Moment, Progress, Settings, Step};
 use crate::linalg::factor::Ldlt;
 use crate::linalg::sparse::combine;
 use crate::model::{Frame, Integrator, Law, Model, SpinupSettings};
 use crate::results::{Diagnostic, EnergyBalance, Extremes, History, IntegratorSummary, SpinState, Spinup};
+use crate::support::drives;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
@@ -28,6 +29,8 @@ const NEWTON: NewtonSettings = NewtonSettings { load_steps: 1, max_iterations: 4
 const BISECTIONS: usize = 20;
 /// Points of the orbit in every step.
 const ORBIT_POINTS: usize = 6;
+/// Most points of the orbit in a run.
+const ORBIT: f64 = 20_000.0;
 /// First step over the shortest phase.
 const FIRST_STEP: f64 = 1e-3;
 /// Error of the growth of a hollow section that calls for a warning.
@@ -35,6 +38,27 @@ const POOR_GROWTH: f64 = 1e-3;
 
 /// Called with the share of the run that is done and a line on where it is; false stops the run.
 pub type Watch<'a> = &'a (dyn Fn(f64, &str) -> bool + Sync);
+
+/// Why a run-up cannot be integrated with the settings, if so.
+///
+/// In the inertial frame a driven section turns in its own coordinates; where components across the axis are free
+/// there, as on a plane section, the mass matrix turns with it, and an explicit method would factorise it at each step.
+pub fn refusal(model: &Model, settings: &SpinupSettings) -> Option<Refusal> {
+    if settings.steady || settings.integrator != Integrator::Adams || settings.frame != Frame::Inertial {
+        return None;
+    }
+    let assembly = Assembly::new(model);
+    let across = |node: usize| {
+        let range = assembly.numbering.of_node(node);
+        let start = range.start;
+        assembly.free_among(range).into_iter().any(|i| (i - start) % 3 != 0)
+    };
+    (0..model.nodes.len()).any(|node| drives(model, node) && across(node)).then_some(Refusal {
+        path: "spinup.integrator",
+        reason: "in the inertial frame a driven plane section turns the mass matrix, which the explicit method needs constant",
+        remedy: "\"section\": \"rigid\" on the driven supports, \"frame\": \"rotating\", or an implicit integrator",
+    })
+}
 
 /// Runs the shaft up to speed.
 ///
@@ -103,10 +127,13 @@ fn run(
     };
     let scale = dynamics.assembly.model.reference_length;
     let method = match settings.integrator {
-        Integrator::GeneralizedAlpha => Method::GeneralizedAlpha { rho_infinity: settings.rho_infinity },
-        Integrator::Esdirk => Method::Esdirk,
+        Integrator::Esdirk => Method::Implicit(Scheme::Esdirk),
+        Integrator::GeneralizedAlpha => {
+            Method::Implicit(Scheme::GeneralizedAlpha { rho_infinity: settings.rho_infinity })
+        }
+        Integrator::Adams => Method::Adams,
     };
-    let implicit = Settings {
+    let integration = Settings {
         method,
         rtol: settings.rtol,
         atol: settings.atol * scale,
@@ -115,7 +142,7 @@ fn run(
         max_steps: settings.max_steps,
         stops,
     };
-    let progress = implicit::integrate(dynamics, begin, &implicit, &mut on_step)?;
+    let progress = integrate::integrate(dynamics, begin, &integration, &mut on_step)?;
     Ok(RunResult { progress, complete })
 }
 
@@ -285,8 +312,10 @@ struct Recorder<'a> {
     history: History,
     extremes: Extremes,
     start: State,
-    largest_energy: f64,
-    last: (f64, Vec<f64>, Flows, State),
+    last: (Moment, Flows),
+    centre: Centre,
+    /// Time of the last point of the orbit, and the shortest time to the next.
+    drawn: (f64, f64),
     supports: Vec<(String, usize)>,
     frame: Frame,
 }
@@ -302,6 +331,7 @@ impl<'a> Recorder<'a> {
         let times = (0..=last).map(|k| settings.until * k as f64 / last as f64).collect();
         let start = dynamics.state(0.0, &begin.z, &begin.v);
         let zero = Extremes { radius_m: 0.0, radius_time_s: 0.0, torque_n_m: 0.0, torque_time_s: 0.0 };
+        let (x, section, _) = mid_section(assembly.model);
         let supports = assembly.model.supports.iter().map(|s| (s.path.clone(), s.node)).collect();
         let mut recorder = Self {
             assembly,
@@ -310,8 +340,9 @@ impl<'a> Recorder<'a> {
             history: History::default(),
             extremes: zero,
             start,
-            largest_energy: 0.0,
-            last: (0.0, begin.z.clone(), Flows::default(), start),
+            last: (begin.clone(), Flows::default()),
+            centre: Centre::new(assembly, x, &section),
+            drawn: (0.0, settings.until / ORBIT),
             supports,
             frame: settings.frame,
         };
@@ -331,6 +362,10 @@ impl<'a> Recorder<'a> {
         }
         for k in 1..=ORBIT_POINTS {
             let t = step.start.t + (step.end.t - step.start.t) * k as f64 / ORBIT_POINTS as f64;
+            if t - self.drawn.0 < self.drawn.1 {
+                continue;
+            }
+            self.drawn.0 = t;
             step.interpolate(t, &mut z, &mut v, &mut a);
             let [_, y, z] = self.extreme(dynamics, t, &z);
             let (sin, cos) = dynamics.drive.at(t).angle.sin_cos();
@@ -339,16 +374,13 @@ impl<'a> Recorder<'a> {
         if step.torque[1].abs() > self.extremes.torque_n_m {
             (self.extremes.torque_n_m, self.extremes.torque_time_s) = (step.torque[1].abs(), step.end.t);
         }
-        let state = dynamics.state(step.end.t, &step.end.z, &step.end.v);
-        self.largest_energy = self.largest_energy.max(state.kinetic.abs()).max(state.strain.abs());
-        self.last = (step.end.t, step.end.z.clone(), step.flows[1], state);
+        self.last.0.clone_from(step.end);
+        self.last.1 = step.flows[1];
     }
 
     /// Keeps the largest distance of the axis from its place.
     fn extreme(&mut self, dynamics: &Dynamics<'_>, t: f64, z: &[f64]) -> [f64; 3] {
-        let (x, section, _) = mid_section(self.assembly.model);
-        let q = dynamics.coordinates(t, z);
-        let centre = section_centre(self.assembly, &q, x, &section);
+        let centre = self.centre.displacement(&dynamics.coordinates(t, z));
         let radius = centre[1].hypot(centre[2]);
         if radius > self.extremes.radius_m {
             (self.extremes.radius_m, self.extremes.radius_time_s) = (radius, t);
@@ -404,14 +436,17 @@ impl<'a> Recorder<'a> {
         run: RunResult,
         mut diagnostics: Vec<Diagnostic>,
     ) -> Outcome<Spinup> {
-        let (t, z, flows, state) = self.last;
+        let (Moment { t, z, v, .. }, flows) = self.last;
+        let state = dynamics.state(t, &z, &v);
         let q = dynamics.coordinates(t, &z);
         let last = spin_state(self.assembly, &q, Some(t), dynamics.drive.at(t).speed);
         strain_remark(last.largest_strain, &mut diagnostics);
         let change = energy(&state) - energy(&self.start);
         let [material, external, bearings] = absorbed(&flows, &state, &self.start, dynamics.is_viscous());
         let lost = flows.drive - change - material - external - bearings;
-        let scale = flows.drive.abs().max(self.largest_energy).max(f64::MIN_POSITIVE);
+        let e = &self.history.energy_j;
+        let energies = e.kinetic.iter().chain(&e.strain).chain([&state.kinetic, &state.strain, &flows.drive]);
+        let scale = energies.fold(f64::MIN_POSITIVE, |m: f64, e| m.max(e.abs()));
         if !run.complete {
             diagnostics.push(Diagnostic::error(
                 "interrupted",
@@ -446,6 +481,7 @@ impl<'a> Recorder<'a> {
             integrator: Some(IntegratorSummary {
                 name: match settings.map(|s| s.integrator) {
                     Some(Integrator::GeneralizedAlpha) => "generalized-alpha",
+                    Some(Integrator::Adams) => "adams",
                     _ => "esdirk4(3)",
                 },
                 frame: if self.frame == Frame::Rotating { "rotating" } else { "inertial" },

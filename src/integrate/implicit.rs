@@ -7,10 +7,10 @@
 //!
 //! Newton's method is modified: a factorised matrix serves until steps, speed or convergence ask for another.
 
+use super::{Course, Flows, Moment, OnStep, Progress, Settings, Step, failed};
 use crate::dynamics::{Dynamics, NewtonMatrix};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
-use std::ops::ControlFlow;
 
 const GAMMA: f64 = 0.25;
 const STAGES: usize = 6;
@@ -64,12 +64,10 @@ const SERVED: usize = 20;
 const STALE: f64 = 0.1;
 /// Relative change of the coefficients that makes no difference.
 const RIGHT: f64 = 0.01;
-/// Steps after which the number still needed is estimated.
-const SETTLED: usize = 200;
 
-/// Which method.
+/// Which implicit method.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Method {
+pub enum Scheme {
     /// ESDIRK4(3).
     Esdirk,
     /// Generalized-alpha with that spectral radius at infinite frequency.
@@ -79,155 +77,26 @@ pub enum Method {
     },
 }
 
-/// How to integrate.
-#[derive(Debug, Clone)]
-pub struct Settings {
-    /// Method.
-    pub method: Method,
-    /// Tolerance of a step relative to the largest displacement.
-    pub rtol: f64,
-    /// Tolerance of a step, m.
-    pub atol: f64,
-    /// Fixed step, s; `None` for error control.
-    pub step: Option<f64>,
-    /// First step, s.
-    pub first_step: f64,
-    /// Most steps.
-    pub max_steps: usize,
-    /// Times that steps must end at, ascending; the last one ends the run.
-    pub stops: Vec<f64>,
-}
-
-/// Displacement, velocity and acceleration at a time.
-#[derive(Debug, Clone, Default)]
-pub struct Moment {
-    /// Time, s.
-    pub t: f64,
-    /// Free displacements, m.
-    pub z: Vec<f64>,
-    /// Their rates.
-    pub v: Vec<f64>,
-    /// Their accelerations.
-    pub a: Vec<f64>,
-}
-
-/// Energies that flowed since the start, J.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Flows {
-    /// Work of the drive.
-    pub drive: f64,
-    /// Work of the internal forces (strain energy plus material damping), with material damping only.
-    pub internal: f64,
-    /// Absorbed by external damping.
-    pub external: f64,
-    /// Absorbed by bearings.
-    pub bearings: f64,
-}
-
-/// An accepted step.
-pub struct Step<'a> {
-    /// Its start.
-    pub start: &'a Moment,
-    /// Its end.
-    pub end: &'a Moment,
-    /// Flows up to its start and its end, and torque at both.
-    pub flows: [Flows; 2],
-    /// Torque of the drive at start and end, N m.
-    pub torque: [f64; 2],
-    /// Its power at start and end, W.
-    pub power: [f64; 2],
-}
-
-/// Called after every accepted step; Break ends the run.
-pub type OnStep<'a> = dyn FnMut(&mut Dynamics<'_>, &Step<'_>, Progress) -> Result<ControlFlow<()>> + 'a;
-
-/// What the integration took.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Progress {
-    /// Accepted steps.
-    pub steps: usize,
-    /// Rejected steps (error or convergence).
-    pub rejected: usize,
-}
-
-impl Step<'_> {
-    /// Displacements, velocities and accelerations within the step: the quintic that meets both ends.
-    pub fn interpolate(&self, t: f64, z: &mut [f64], v: &mut [f64], a: &mut [f64]) {
-        let (start, end) = (self.start, self.end);
-        let h = end.t - start.t;
-        let s = ((t - start.t) / h).clamp(0.0, 1.0);
-        let (s2, s3) = (s * s, s * s * s);
-        // Hermite's polynomials of value, slope and curvature at both ends, and their derivatives
-        let value = [
-            1.0 - s3 * (10.0 - 15.0 * s + 6.0 * s2),
-            s - s3 * (6.0 - 8.0 * s + 3.0 * s2),
-            s2 / 2.0 - s3 * (1.5 - 1.5 * s + 0.5 * s2),
-            s3 * (10.0 - 15.0 * s + 6.0 * s2),
-            s3 * (-4.0 + 7.0 * s - 3.0 * s2),
-            s3 * (0.5 - s + 0.5 * s2),
-        ];
-        let slope = [
-            -30.0 * s2 * (1.0 - 2.0 * s + s2),
-            1.0 - s2 * (18.0 - 32.0 * s + 15.0 * s2),
-            s - s2 * (4.5 - 6.0 * s + 2.5 * s2),
-            30.0 * s2 * (1.0 - 2.0 * s + s2),
-            s2 * (-12.0 + 28.0 * s - 15.0 * s2),
-            s2 * (1.5 - 4.0 * s + 2.5 * s2),
-        ];
-        let curvature = [
-            -60.0 * s * (1.0 - 3.0 * s + 2.0 * s2),
-            -s * (36.0 - 96.0 * s + 60.0 * s2),
-            1.0 - s * (9.0 - 18.0 * s + 10.0 * s2),
-            60.0 * s * (1.0 - 3.0 * s + 2.0 * s2),
-            s * (-24.0 + 84.0 * s - 60.0 * s2),
-            s * (3.0 - 12.0 * s + 10.0 * s2),
-        ];
-        let scale = [1.0, h, h * h, 1.0, h, h * h];
-        for i in 0..z.len() {
-            let ends = [start.z[i], start.v[i], start.a[i], end.z[i], end.v[i], end.a[i]];
-            let blend = |p: &[f64; 6]| (0..6).map(|k| p[k] * scale[k] * ends[k]).sum::<f64>();
-            (z[i], v[i], a[i]) = (blend(&value), blend(&slope) / h, blend(&curvature) / (h * h));
-        }
-    }
-
-    /// Flows up to a time within the step: linear between the ends, the drive's work with its power at both.
-    pub fn flows_at(&self, t: f64) -> Flows {
-        let h = self.end.t - self.start.t;
-        let s = ((t - self.start.t) / h).clamp(0.0, 1.0);
-        let [a, b] = &self.flows;
-        let between = |x: f64, y: f64| x + s * (y - x);
-        // cubic through work and power of the drive
-        let rise = b.drive - a.drive;
-        let (p, q) = (h * self.power[0] - rise, h * self.power[1] - rise);
-        Flows {
-            drive: between(a.drive, b.drive) + s * (1.0 - s) * ((1.0 - s) * p - s * q),
-            internal: between(a.internal, b.internal),
-            external: between(a.external, b.external),
-            bearings: between(a.bearings, b.bearings),
-        }
-    }
-}
-
 /// Integrates from `start` to the last stop.
 ///
 /// # Errors
-/// A step below rounding, a Newton iteration that does not converge at any step, more steps than allowed
-/// (as soon as the estimate says so), or what `on_step` returns.
+/// As [`super::integrate`].
 pub fn integrate(
     dynamics: &mut Dynamics<'_>,
     start: Moment,
+    scheme: Scheme,
     settings: &Settings,
     on_step: &mut OnStep<'_>,
 ) -> Result<Progress> {
-    let mut run = Run::new(dynamics, start, settings);
-    let until = settings.stops.last().copied().unwrap_or(0.0);
+    let mut run = Run::new(dynamics, start, scheme, settings);
+    let mut course = Course::new(settings);
     let mut progress = Progress::default();
-    let mut h = settings.step.unwrap_or(settings.first_step).min(until);
-    let (mut failures, mut recent) = (0, (0.0, 0));
+    let mut h = settings.step.unwrap_or(settings.first_step).min(course.until);
+    let mut failures = 0;
     // steps at which Newton's method fails are not tried again for a while
     let mut longest = f64::INFINITY;
-    while run.now.t < until {
-        let stop = settings.stops.iter().copied().find(|&s| s > run.now.t + 1e-12 * until).unwrap_or(until);
+    while run.now.t < course.until {
+        let stop = course.stop_after(run.now.t);
         // the last two steps before a stop share what is left
         let left = stop - run.now.t;
         let last = h >= left * (1.0 - 1e-9);
@@ -238,12 +107,7 @@ pub fn integrate(
         } else {
             h
         };
-        if taken < 1e-13 * until {
-            return Err(failed(
-                format!("the integrator's step fell to {taken:.3e} s at t = {:.6e} s", run.now.t),
-                format!("{} steps, {} rejected", progress.steps, progress.rejected),
-            ));
-        }
+        course.resolve(taken, run.now.t, progress)?;
         let error = run.step(dynamics, taken, settings)?;
         match error {
             Some(error) if error <= 1.0 || run.fixed => {
@@ -266,25 +130,7 @@ pub fn integrate(
                     longest *= RELAX;
                     h = (if taken < h && factor >= 1.0 { h } else { taken * factor }).min(longest);
                 }
-                recent = if recent.1 >= SETTLED { (taken, 1) } else { (recent.0 + taken, recent.1 + 1) };
-                if progress.steps >= settings.max_steps
-                    || (progress.steps > SETTLED && recent.1 >= SETTLED / 2)
-                {
-                    let needed =
-                        progress.steps as f64 + (until - run.now.t) / (recent.0 / f64::from(recent.1 as u32));
-                    if needed > 2.0 * settings.max_steps as f64
-                        || (progress.steps >= settings.max_steps && run.now.t < until)
-                    {
-                        return Err(Error::analysis(
-                            format!(
-                                "the run would take about {needed:.1e} steps, more than spinup.max_steps = {}",
-                                settings.max_steps
-                            ),
-                            format!("{} steps to t = {:.6e} s of {until:.6e} s", progress.steps, run.now.t),
-                            "raise rtol and atol, use the rotating frame with an implicit integrator, or raise max_steps",
-                        ));
-                    }
-                }
+                course.count(taken, run.now.t, progress.steps)?;
             }
             Some(error) => {
                 progress.rejected += 1;
@@ -310,24 +156,17 @@ pub fn integrate(
     Ok(progress)
 }
 
-fn failed(what: String, tried: String) -> Error {
-    Error::analysis(
-        what,
-        tried,
-        "check for a speed beyond burst or an unstable motion; a smaller fixed step or generalized-alpha may go on",
-    )
-}
-
 /// An integration under way.
 struct Run {
+    scheme: Scheme,
     now: Moment,
     next: Moment,
     flows: [Flows; 2],
     torque: [f64; 2],
-    /// Powers of the last evaluation: time and (drive, internal, external, bearings).
-    last_powers: (f64, [f64; 4]),
+    /// Time and powers of the last evaluation.
+    last_powers: (f64, Flows),
     /// Flows counted beyond the last evaluation, by extrapolation (generalized-alpha).
-    beyond: [f64; 4],
+    beyond: Flows,
     /// Steps of fixed size: accepted whatever the error.
     fixed: bool,
     newton: Newton,
@@ -340,24 +179,25 @@ struct Run {
 }
 
 impl Run {
-    fn new(dynamics: &mut Dynamics<'_>, start: Moment, settings: &Settings) -> Self {
+    fn new(dynamics: &mut Dynamics<'_>, start: Moment, scheme: Scheme, settings: &Settings) -> Self {
         let n = start.z.len();
         let zero = || vec![0.0; n];
         dynamics.evaluate(start.t, &start.z, &start.v, &start.a);
-        let powers = powers(dynamics, start.t);
+        let powers = Flows::powers(dynamics, start.t);
         Self {
             flows: [Flows::default(); 2],
             torque: [dynamics.powers.torque; 2],
             last_powers: (start.t, powers),
             next: start.clone(),
-            beyond: [0.0; 4],
+            beyond: Flows::default(),
             fixed: settings.step.is_some(),
             newton: Newton::new(n),
             stages: (0..STAGES).map(|_| (zero(), zero())).collect(),
             history: vec![(start.t, start.a.clone())],
             now: start,
             x: zero(),
-            exponent: if settings.method == Method::Esdirk { 0.25 } else { 1.0 / 3.0 },
+            exponent: if scheme == Scheme::Esdirk { 0.25 } else { 1.0 / 3.0 },
+            scheme,
         }
     }
 
@@ -377,9 +217,9 @@ impl Run {
     fn step(&mut self, dynamics: &mut Dynamics<'_>, h: f64, settings: &Settings) -> Result<Option<f64>> {
         let largest = self.now.z.iter().fold(0.0, |m: f64, z| m.max(z.abs()));
         let tolerance = settings.atol + settings.rtol * largest;
-        match settings.method {
-            Method::Esdirk => self.esdirk(dynamics, h, tolerance),
-            Method::GeneralizedAlpha { rho_infinity } => {
+        match self.scheme {
+            Scheme::Esdirk => self.esdirk(dynamics, h, tolerance),
+            Scheme::GeneralizedAlpha { rho_infinity } => {
                 self.generalized_alpha(dynamics, h, tolerance, rho_infinity)
             }
         }
@@ -391,7 +231,7 @@ impl Run {
         let (t0, now) = (self.now.t, &self.now);
         self.stages[0].0.clone_from(&now.v);
         self.stages[0].1.clone_from(&now.a);
-        let mut flow = self.last_powers.1.map(|p| B[0] * p);
+        let mut flows = self.flows[0].plus(h * B[0], self.last_powers.1);
         let (mut z0, mut v0, zero) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         for i in 1..STAGES {
             let t = t0 + C[i] * h;
@@ -416,8 +256,7 @@ impl Run {
                 a[k] = self.x[k] / (g * g);
                 v[k] = v0[k] + g * a[k];
             }
-            let power = powers(dynamics, t);
-            flow.iter_mut().zip(power).for_each(|(f, p)| *f += B[i] * p);
+            flows = flows.plus(h * B[i], Flows::powers(dynamics, t));
             if i == STAGES - 1 {
                 for k in 0..n {
                     self.next.z[k] = z0[k] + self.x[k];
@@ -436,24 +275,13 @@ impl Run {
             return Ok(None);
         }
         if error <= 1.0 || self.fixed {
-            self.last_powers = (t0 + h, powers(dynamics, t0 + h));
-            self.add_flows(flow.map(|f| h * f), dynamics.powers.torque);
+            self.last_powers = (t0 + h, Flows::powers(dynamics, t0 + h));
+            (self.flows[1], self.torque[1]) = (flows, dynamics.powers.torque);
             // the stages in the second half serve the next extrapolation
             self.history.clear();
             self.history.extend([3, 4, 5].map(|j| (t0 + C[j] * h, self.stages[j].1.clone())));
         }
         Ok(Some(error))
-    }
-
-    fn add_flows(&mut self, [drive, internal, external, bearings]: [f64; 4], torque: f64) {
-        let before = self.flows[0];
-        self.flows[1] = Flows {
-            drive: before.drive + drive,
-            internal: before.internal + internal,
-            external: before.external + external,
-            bearings: before.bearings + bearings,
-        };
-        self.torque[1] = torque;
     }
 
     fn generalized_alpha(
@@ -513,27 +341,18 @@ impl Run {
             return Ok(Some(error));
         }
         // powers are known between the ends: a trapezoid from one evaluation to the next, then on to the end
-        let power = powers(dynamics, t);
+        let power = Flows::powers(dynamics, t);
         let (before, old) = self.last_powers;
         let (span, rest) = (t - before, self.now.t + h - t);
-        let flow = [0, 1, 2, 3].map(|i| {
-            let slope = (power[i] - old[i]) / span;
-            let beyond = rest * (power[i] + slope * rest / 2.0);
-            let flow = span * (power[i] + old[i]) / 2.0 - self.beyond[i] + beyond;
-            self.beyond[i] = beyond;
-            flow
-        });
+        let slope = power.plus(-1.0, old);
+        let beyond = Flows::default().plus(rest, power).plus(rest * rest / (2.0 * span), slope);
+        let reached = self.flows[0].plus(-1.0, self.beyond).plus(span / 2.0, power).plus(span / 2.0, old);
+        self.flows[1] = reached.plus(1.0, beyond);
+        (self.torque[1], self.beyond) = (dynamics.powers.torque, beyond);
         self.last_powers = (t, power);
         self.history = vec![(self.now.t, self.now.a.clone())];
-        self.add_flows(flow, dynamics.powers.torque);
         Ok(Some(error))
     }
-}
-
-/// Powers of the last evaluation: drive, internal, external damping, bearings, W.
-fn powers(dynamics: &Dynamics<'_>, t: f64) -> [f64; 4] {
-    let p = &dynamics.powers;
-    [p.torque * dynamics.drive.at(t).speed, p.internal, p.external, p.bearings]
 }
 
 /// Polynomial through the most recent accelerations at different times (at most four), at time t.

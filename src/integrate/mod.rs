@@ -1,3 +1,246 @@
-//! Time integration of the equations of motion.
+//! Time integration of the equations of motion `M z'' = g(t, z, z')`: what integrators share, and the choice of one.
 
+pub mod adams;
 pub mod implicit;
+
+use crate::dynamics::Dynamics;
+use crate::error::{Error, Result};
+use std::ops::ControlFlow;
+
+/// Steps after which the number still needed is estimated.
+const SETTLED: usize = 200;
+
+/// Which method.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Method {
+    /// An implicit one.
+    Implicit(implicit::Scheme),
+    /// Adams PECE of variable order and step, explicit.
+    Adams,
+}
+
+/// How to integrate.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    /// Method.
+    pub method: Method,
+    /// Tolerance of a step relative to the largest displacement.
+    pub rtol: f64,
+    /// Tolerance of a step, m.
+    pub atol: f64,
+    /// Fixed step, s; `None` for error control.
+    pub step: Option<f64>,
+    /// First step, s.
+    pub first_step: f64,
+    /// Most steps.
+    pub max_steps: usize,
+    /// Times that steps must end at, ascending; the last one ends the run.
+    pub stops: Vec<f64>,
+}
+
+/// Displacement, velocity and acceleration at a time.
+#[derive(Debug, Clone, Default)]
+pub struct Moment {
+    /// Time, s.
+    pub t: f64,
+    /// Free displacements, m.
+    pub z: Vec<f64>,
+    /// Their rates.
+    pub v: Vec<f64>,
+    /// Their accelerations.
+    pub a: Vec<f64>,
+}
+
+/// Energies that flowed since the start, J; as powers, W.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Flows {
+    /// Work of the drive.
+    pub drive: f64,
+    /// Work of the internal forces (strain energy plus material damping), with material damping only.
+    pub internal: f64,
+    /// Absorbed by external damping.
+    pub external: f64,
+    /// Absorbed by bearings.
+    pub bearings: f64,
+}
+
+/// An accepted step.
+pub struct Step<'a> {
+    /// Its start.
+    pub start: &'a Moment,
+    /// Its end.
+    pub end: &'a Moment,
+    /// Flows up to its start and its end, and torque at both.
+    pub flows: [Flows; 2],
+    /// Torque of the drive at start and end, N m.
+    pub torque: [f64; 2],
+    /// Its power at start and end, W.
+    pub power: [f64; 2],
+}
+
+/// Called after every accepted step; Break ends the run.
+pub type OnStep<'a> = dyn FnMut(&mut Dynamics<'_>, &Step<'_>, Progress) -> Result<ControlFlow<()>> + 'a;
+
+/// What the integration took.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Progress {
+    /// Accepted steps.
+    pub steps: usize,
+    /// Rejected steps (error or convergence).
+    pub rejected: usize,
+}
+
+impl Step<'_> {
+    /// Displacements, velocities and accelerations within the step: the quintic that meets both ends.
+    pub fn interpolate(&self, t: f64, z: &mut [f64], v: &mut [f64], a: &mut [f64]) {
+        let (start, end) = (self.start, self.end);
+        let h = end.t - start.t;
+        let s = ((t - start.t) / h).clamp(0.0, 1.0);
+        let (s2, s3) = (s * s, s * s * s);
+        // Hermite's polynomials of value, slope and curvature at both ends, and their derivatives
+        let value = [
+            1.0 - s3 * (10.0 - 15.0 * s + 6.0 * s2),
+            s - s3 * (6.0 - 8.0 * s + 3.0 * s2),
+            s2 / 2.0 - s3 * (1.5 - 1.5 * s + 0.5 * s2),
+            s3 * (10.0 - 15.0 * s + 6.0 * s2),
+            s3 * (-4.0 + 7.0 * s - 3.0 * s2),
+            s3 * (0.5 - s + 0.5 * s2),
+        ];
+        let slope = [
+            -30.0 * s2 * (1.0 - 2.0 * s + s2),
+            1.0 - s2 * (18.0 - 32.0 * s + 15.0 * s2),
+            s - s2 * (4.5 - 6.0 * s + 2.5 * s2),
+            30.0 * s2 * (1.0 - 2.0 * s + s2),
+            s2 * (-12.0 + 28.0 * s - 15.0 * s2),
+            s2 * (1.5 - 4.0 * s + 2.5 * s2),
+        ];
+        let curvature = [
+            -60.0 * s * (1.0 - 3.0 * s + 2.0 * s2),
+            -s * (36.0 - 96.0 * s + 60.0 * s2),
+            1.0 - s * (9.0 - 18.0 * s + 10.0 * s2),
+            60.0 * s * (1.0 - 3.0 * s + 2.0 * s2),
+            s * (-24.0 + 84.0 * s - 60.0 * s2),
+            s * (3.0 - 12.0 * s + 10.0 * s2),
+        ];
+        let scale = [1.0, h, h * h, 1.0, h, h * h];
+        for i in 0..z.len() {
+            let ends = [start.z[i], start.v[i], start.a[i], end.z[i], end.v[i], end.a[i]];
+            let blend = |p: &[f64; 6]| (0..6).map(|k| p[k] * scale[k] * ends[k]).sum::<f64>();
+            (z[i], v[i], a[i]) = (blend(&value), blend(&slope) / h, blend(&curvature) / (h * h));
+        }
+    }
+
+    /// Flows up to a time within the step: linear between the ends, the drive's work with its power at both.
+    pub fn flows_at(&self, t: f64) -> Flows {
+        let h = self.end.t - self.start.t;
+        let s = ((t - self.start.t) / h).clamp(0.0, 1.0);
+        let [a, b] = &self.flows;
+        let between = |x: f64, y: f64| x + s * (y - x);
+        // cubic through work and power of the drive
+        let rise = b.drive - a.drive;
+        let (p, q) = (h * self.power[0] - rise, h * self.power[1] - rise);
+        Flows {
+            drive: between(a.drive, b.drive) + s * (1.0 - s) * ((1.0 - s) * p - s * q),
+            internal: between(a.internal, b.internal),
+            external: between(a.external, b.external),
+            bearings: between(a.bearings, b.bearings),
+        }
+    }
+}
+
+impl Flows {
+    /// Powers at the last evaluation.
+    fn powers(dynamics: &Dynamics<'_>, t: f64) -> Self {
+        let p = &dynamics.powers;
+        let drive = p.torque * dynamics.drive.at(t).speed;
+        Self { drive, internal: p.internal, external: p.external, bearings: p.bearings }
+    }
+
+    /// `self + factor * other`.
+    fn plus(self, factor: f64, other: Self) -> Self {
+        Self {
+            drive: self.drive + factor * other.drive,
+            internal: self.internal + factor * other.internal,
+            external: self.external + factor * other.external,
+            bearings: self.bearings + factor * other.bearings,
+        }
+    }
+}
+
+/// Integrates from `start` to the last stop.
+///
+/// # Errors
+/// A step below rounding, a Newton iteration that does not converge at any step, more steps than allowed
+/// (as soon as the estimate says so), or what `on_step` returns.
+pub fn integrate(
+    dynamics: &mut Dynamics<'_>,
+    start: Moment,
+    settings: &Settings,
+    on_step: &mut OnStep<'_>,
+) -> Result<Progress> {
+    match settings.method {
+        Method::Implicit(scheme) => implicit::integrate(dynamics, start, scheme, settings, on_step),
+        Method::Adams => adams::integrate(dynamics, start, settings, on_step),
+    }
+}
+
+/// The way to the end of a run: where steps must stop, and how many are still allowed.
+struct Course<'a> {
+    settings: &'a Settings,
+    until: f64,
+    /// Time that the last steps took, and their number.
+    recent: (f64, usize),
+}
+
+impl<'a> Course<'a> {
+    fn new(settings: &'a Settings) -> Self {
+        Self { settings, until: settings.stops.last().copied().unwrap_or(0.0), recent: (0.0, 0) }
+    }
+
+    /// The next time that a step must end at.
+    fn stop_after(&self, t: f64) -> f64 {
+        let next = self.settings.stops.iter().copied().find(|&s| s > t + 1e-12 * self.until);
+        next.unwrap_or(self.until)
+    }
+
+    /// Refuses a step that time can't resolve.
+    fn resolve(&self, step: f64, t: f64, progress: Progress) -> Result<()> {
+        if step >= 1e-13 * self.until {
+            return Ok(());
+        }
+        Err(failed(
+            format!("the integrator's step fell to {step:.3e} s at t = {t:.6e} s"),
+            format!("{} steps, {} rejected", progress.steps, progress.rejected),
+        ))
+    }
+
+    /// Counts a step that ended at `t`; an error when the run would need too many of them.
+    fn count(&mut self, step: f64, t: f64, steps: usize) -> Result<()> {
+        let Self { settings, until, recent } = self;
+        *recent = if recent.1 >= SETTLED { (step, 1) } else { (recent.0 + step, recent.1 + 1) };
+        let spent = steps >= settings.max_steps;
+        if !spent && (steps <= SETTLED || recent.1 < SETTLED / 2) {
+            return Ok(());
+        }
+        let needed = steps as f64 + (*until - t) / (recent.0 / f64::from(recent.1 as u32));
+        if needed <= 2.0 * settings.max_steps as f64 && !(spent && t < *until) {
+            return Ok(());
+        }
+        Err(Error::analysis(
+            format!(
+                "the run would take about {needed:.1e} steps, more than spinup.max_steps = {}",
+                settings.max_steps
+            ),
+            format!("{steps} steps to t = {t:.6e} s of {until:.6e} s"),
+            "raise rtol and atol, use the rotating frame with an implicit integrator, or raise max_steps",
+        ))
+    }
+}
+
+fn failed(what: String, tried: String) -> Error {
+    Error::analysis(
+        what,
+        tried,
+        "check for a speed beyond burst or an unstable motion; a smaller fixed step or generalized-alpha may go on",
+    )
+}

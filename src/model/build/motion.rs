@@ -83,7 +83,12 @@ impl Input<'_> {
         let integrator = match s.integrator {
             case::Integrator::Implicit | case::Integrator::Esdirk => Integrator::Esdirk,
             case::Integrator::GeneralizedAlpha => Integrator::GeneralizedAlpha,
+            case::Integrator::Adams => Integrator::Adams,
         };
+        if integrator == Integrator::Adams && step.is_some() {
+            let allowed = "rtol and atol with \"adams\", or an implicit integrator with a fixed step";
+            return self.fault(&at("step"), "adams chooses its steps by their error", allowed);
+        }
         if s.rho_infinity.is_some() && integrator != Integrator::GeneralizedAlpha {
             let allowed = "only with \"integrator\": \"generalized-alpha\"";
             return self.fault(&at("rho_infinity"), "the integrator has no such parameter", allowed);
