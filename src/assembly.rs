@@ -7,6 +7,7 @@
 
 use crate::element::ElementMatrices;
 use crate::element::basis::{exponents, rotation_matrix};
+use crate::linalg::chain::{Layout, Link};
 use crate::linalg::sparse::{Sparse, from_columns};
 use crate::model::{Element, Gyroscopic, Material, Model};
 use crate::support::{self, Contribution, Numbering};
@@ -35,6 +36,24 @@ pub struct Assembly<'a> {
     element_type: Vec<usize>,
     /// Node and coefficients (over its coordinates) of every constraint.
     constraints: Vec<(usize, Vec<f64>)>,
+}
+
+/// What a system matrix sums: the matrix of every distinct element (none: no element has a share), and
+/// contributions of nodes.
+pub struct Parts {
+    /// By type of element.
+    pub elements: Vec<Mat<f64>>,
+    /// On coordinates before constraints.
+    pub nodal: Vec<Contribution>,
+}
+
+impl Parts {
+    /// `A J`, `J u = e_x x u` on every vector.
+    pub fn times_cross(mut self) -> Self {
+        self.elements.iter_mut().for_each(|a| *a = times_cross(a));
+        self.nodal.iter_mut().for_each(|part| part.matrix = times_cross(&part.matrix));
+        self
+    }
 }
 
 impl<'a> Assembly<'a> {
@@ -166,7 +185,12 @@ impl<'a> Assembly<'a> {
 
     /// Mass of shaft and disks, symmetric positive definite.
     pub fn mass(&self) -> Sparse {
-        self.build(Some(&|_, m| m.mass.clone()), support::disk_mass(self.model, &self.numbering))
+        self.add_up(&self.mass_parts())
+    }
+
+    /// Parts of [`Self::mass`].
+    pub fn mass_parts(&self) -> Parts {
+        self.parts(Some(&|_, m| m.mass.clone()), support::disk_mass(self.model, &self.numbering))
     }
 
     /// Stiffness about the undeformed state: shaft, hubs and the symmetric part of the bearings.
@@ -181,33 +205,27 @@ impl<'a> Assembly<'a> {
         self.build(None, self.bearings(|b| b.stiffness))
     }
 
-    /// [`Self::stiffness`] with bearings averaged over the directions, as a turning section feels them in the mean.
-    pub fn mean_stiffness(&self) -> Sparse {
-        let mut nodal = support::hub_stiffness(self.model, &self.numbering);
-        nodal.extend(self.bearings(|b| mean(b.stiffness)));
-        self.build(Some(&|_, m| m.stiffness.clone()), nodal)
+    /// Stiffness of shaft and hubs about the undeformed state, without bearings.
+    pub fn elastic_parts(&self) -> Parts {
+        self.parts(Some(&|_, m| m.stiffness.clone()), support::hub_stiffness(self.model, &self.numbering))
     }
 
-    /// [`Self::damping`] with bearings averaged over the directions.
-    pub fn mean_damping(&self) -> Sparse {
-        self.build(
-            self.has_material_damping().then_some(&material_damping),
-            self.bearings(|b| mean(b.damping)),
-        )
-    }
-
-    /// `alpha M J`: what spin adds to external damping forces in the rotating frame, per unit speed.
-    pub fn external_momentum(&self) -> Sparse {
-        let shaft = |material: &Material, m: &ElementMatrices| {
-            times_cross(&m.mass) * faer::Scale(material.mass_damping)
-        };
-        self.build(Some(&shaft), Vec::new())
+    /// Stiffness and damping of the bearings averaged over the directions, as a turning section feels them in the mean.
+    pub fn mean_bearings(&self) -> [Parts; 2] {
+        [self.bearings(|b| mean(b.stiffness)), self.bearings(|b| mean(b.damping))]
+            .map(|nodal| Parts { elements: Vec::new(), nodal })
     }
 
     /// `alpha M` of the shaft.
     pub fn external_damping(&self) -> Sparse {
+        self.add_up(&self.external_parts())
+    }
+
+    /// Parts of [`Self::external_damping`]; none when no material has such damping.
+    pub fn external_parts(&self) -> Parts {
         let shaft = |material: &Material, m: &ElementMatrices| &m.mass * faer::Scale(material.mass_damping);
-        self.build(Some(&shaft), Vec::new())
+        let damped = self.model.materials.iter().any(|m| m.mass_damping != 0.0);
+        self.parts(damped.then_some(&shaft), Vec::new())
     }
 
     /// Skew part of the bearings' stiffness (cross-coupling).
@@ -231,16 +249,12 @@ impl<'a> Assembly<'a> {
 
     /// `W = M J`, skew: a mode `u exp(i w t)` has the mean angular momentum `w/2 Im(u^H W u)` about x.
     pub fn angular_momentum(&self) -> Sparse {
-        let mut nodal = support::disk_mass(self.model, &self.numbering);
-        nodal.iter_mut().for_each(|part| part.matrix = times_cross(&part.matrix));
-        self.build(Some(&|_, m| times_cross(&m.mass)), nodal)
+        self.add_up(&self.mass_parts().times_cross())
     }
 
     /// `M J^2`, the centrifugal matrix per unit spin speed squared of the rotating frame: `-M` on y and z.
     pub fn centrifugal(&self) -> Sparse {
-        let mut nodal = support::disk_mass(self.model, &self.numbering);
-        nodal.iter_mut().for_each(|part| part.matrix = times_cross(&times_cross(&part.matrix)));
-        self.build(Some(&|_, m| times_cross(&times_cross(&m.mass))), nodal)
+        self.add_up(&self.mass_parts().times_cross().times_cross())
     }
 
     /// Spin-softening matrix per unit spin speed squared.
@@ -305,20 +319,72 @@ impl<'a> Assembly<'a> {
 
     /// Sums element and nodal contributions, `T^T A T`.
     fn build(&self, shaft: Option<ElementMatrix<'_>>, nodal: Vec<Contribution>) -> Sparse {
-        let mut matrices: Vec<Option<Mat<f64>>> = self.distinct.iter().map(|_| None).collect();
-        let mut coordinates = Vec::new();
-        if let Some(shaft) = shaft {
-            for (e, element) in self.model.elements.iter().enumerate() {
-                let kind = self.element_type[e];
-                let material = &self.model.materials[element.material];
-                matrices[kind].get_or_insert_with(|| shaft(material, &self.distinct[kind]));
-                coordinates.push((self.element_coordinates(element), kind));
+        self.add_up(&self.parts(shaft, nodal))
+    }
+
+    /// The matrix of every distinct element, and contributions of nodes.
+    fn parts(&self, shaft: Option<ElementMatrix<'_>>, nodal: Vec<Contribution>) -> Parts {
+        let Some(shaft) = shaft else { return Parts { elements: Vec::new(), nodal } };
+        let matrix = |(kind, m)| shaft(self.material_of(kind), m);
+        Parts { elements: self.distinct.iter().enumerate().map(matrix).collect(), nodal }
+    }
+
+    fn add_up(&self, parts: &Parts) -> Sparse {
+        let coordinates: Vec<_> = self.model.elements.iter().map(|e| self.element_coordinates(e)).collect();
+        let kinds = coordinates.iter().zip(&self.element_type);
+        let elements = kinds.filter_map(|(c, &kind)| parts.elements.get(kind).map(|m| (c, m)));
+        let nodal = parts.nodal.iter().map(|n| (&n.coordinates, &n.matrix));
+        self.accumulate(&elements.chain(nodal).collect::<Vec<_>>())
+    }
+
+    /// Material of a distinct element.
+    fn material_of(&self, kind: usize) -> &Material {
+        let first = self.element_type.iter().position(|&k| k == kind).unwrap_or(0);
+        &self.model.materials[self.model.elements[first].material]
+    }
+
+    /// Kelvin-Voigt factor beta of every distinct element, s.
+    pub fn viscosities(&self) -> Vec<f64> {
+        (0..self.distinct.len()).map(|kind| self.material_of(kind).stiffness_damping).collect()
+    }
+
+    /// Where a direct solver for sums of [`Parts`] finds coordinates and constraints.
+    pub fn chain(&self) -> Layout {
+        let elements = &self.model.elements;
+        let nodes = elements.iter().map(|e| e.first_node);
+        let nodes: Vec<usize> =
+            nodes.chain(elements.last().map(|e| e.first_node + e.kind.axial_degree)).collect();
+        let links = elements.iter().map(|e| {
+            let coordinates = self.element_coordinates(e);
+            let n = 3 * e.kind.n_vectors();
+            let (left, right) = (&coordinates[..n], &coordinates[coordinates.len() - n..]);
+            let local = |list: &[usize], node: usize| {
+                let start = self.numbering.index(node, 0, 0);
+                list.iter().map(|i| i - start).collect::<Vec<_>>()
+            };
+            let last = e.first_node + e.kind.axial_degree;
+            Link {
+                ends: [local(left, e.first_node), local(right, last)],
+                interior: self.numbering.of_node(e.first_node + 1).start..self.numbering.of_node(last).start,
             }
+        });
+        let constraint = |&node: &usize| {
+            let range = self.numbering.of_node(node);
+            let rows = &self.expansion[range.clone()];
+            let columns = rows.iter().flatten().map(|(j, _)| *j);
+            let first = columns.clone().min().unwrap_or(0);
+            let count = columns.max().map_or(0, |last| last + 1 - first);
+            let mut t = Mat::zeros(range.len(), count);
+            for (i, row) in rows.iter().enumerate() {
+                row.iter().for_each(|&(j, c)| t[(i, j - first)] = c);
+            }
+            (count < range.len()).then_some(t)
+        };
+        Layout {
+            ends: nodes.iter().map(|&node| self.numbering.of_node(node)).collect(),
+            constraints: nodes.iter().map(constraint).collect(),
+            links: links.collect(),
         }
-        let elements = coordinates.iter().filter_map(|(c, kind)| matrices[*kind].as_ref().map(|m| (c, m)));
-        let parts: Vec<(&Vec<usize>, &Mat<f64>)> =
-            elements.chain(nodal.iter().map(|n| (&n.coordinates, &n.matrix))).collect();
-        self.accumulate(&parts)
     }
 
     fn accumulate(&self, parts: &[(&Vec<usize>, &Mat<f64>)]) -> Sparse {

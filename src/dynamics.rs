@@ -10,18 +10,15 @@
 //! In the rotating frame every node turns; in the inertial frame only the driven ones do, whose constraints
 //! are then constant in their own turned coordinates. Both are exact. Source: docs/theory.md sections 5 and 7.
 
-use crate::assembly::Assembly;
+use crate::assembly::{Assembly, Parts};
 use crate::drive::{Drive, Turn};
 use crate::error::Result;
 use crate::forces::{Forces, ScalarMass, Workspace};
-use crate::linalg::factor::Ldlt;
-use crate::linalg::lu::{Factor, Family};
-use crate::linalg::sparse::{Sparse, combine};
+use crate::linalg::chain::{Chain, Layout, Terms};
 use crate::loads::{dead_loads, weight};
 use crate::model::{Frame, Model, SupportKind};
-use crate::support::{displacement_weights, drives};
-use crate::vectors::exponents;
-use faer::{Mat, MatMut};
+use crate::support::{Contribution, displacement_weights, drives};
+use faer::{Mat, MatRef, Scale};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// How a Newton matrix follows the motion of a node's section.
@@ -92,7 +89,7 @@ pub struct Counts {
 
 /// A factorised Newton matrix `c_a M + c_v C + c_k K`.
 pub struct NewtonMatrix {
-    factor: Factor,
+    factor: Chain,
     /// Built from the undeformed shaft: turns with each node's section.
     follows: bool,
     /// Its coefficients (c_k, c_v, c_a) and the spin speed it was made for.
@@ -120,47 +117,57 @@ pub struct Dynamics<'a> {
     load: Vec<f64>,
     nodes: Vec<NodePlace>,
     linear: Linear,
-    mass_factor: Ldlt<f64>,
+    mass_factor: Chain,
     work: Workspace,
     memory: Memory,
 }
 
-/// Matrices of the undeformed shaft in the free coordinates, and their sums.
+/// Matrices to be summed and factorised.
 struct Linear {
-    mass: Sparse,
-    damped: bool,
-    /// Damping (zero without any), `M J`, `M J^2` and `alpha M J`, the last three for the rotating frame.
-    damping: Sparse,
-    turning: Vec<Sparse>,
-    external: Option<Sparse>,
-    family: Family,
+    layout: Layout,
+    element_type: Vec<usize>,
+    /// What no state changes: `M`; `alpha M` and the bearings' damping; their stiffness; in the rotating frame also
+    /// `M J`, `M J^2` and `alpha M J`.
+    constant: Vec<Parts>,
+    /// `K0` of elements and hubs.
+    elastic: Parts,
+    /// Kelvin-Voigt factor of every distinct element, s.
+    viscosity: Vec<f64>,
 }
 
 impl Linear {
-    fn new(assembly: &Assembly<'_>, rotating: bool) -> Result<Self> {
-        let model = assembly.model;
-        let external = model.materials.iter().any(|m| m.mass_damping != 0.0);
-        let (mass, damping) = (assembly.mass(), assembly.mean_damping());
-        let damped = assembly.has_material_damping() || !model.bearings.is_empty();
-        let turning =
-            if rotating { vec![assembly.angular_momentum(), assembly.centrifugal()] } else { vec![] };
-        let external = (rotating && external).then(|| assembly.external_momentum());
-        let stiffness = assembly.mean_stiffness();
-        let mut all = vec![&mass];
-        all.extend(damped.then_some(&damping));
-        all.extend(turning.iter().chain(&external));
-        all.push(&stiffness);
-        let family = Family::new(&all, &reflections(assembly))?;
-        Ok(Self { mass, damped, damping, turning, external, family })
+    fn new(assembly: &Assembly<'_>, rotating: bool) -> Self {
+        let [stiffness, mut damping] = assembly.mean_bearings();
+        damping.elements = assembly.external_parts().elements;
+        let mut constant = vec![assembly.mass_parts(), damping, stiffness];
+        if rotating {
+            let momentum = || assembly.mass_parts().times_cross();
+            constant.extend([momentum(), momentum().times_cross(), assembly.external_parts().times_cross()]);
+        }
+        Self {
+            layout: assembly.chain(),
+            element_type: (0..assembly.model.elements.len()).map(|e| assembly.element_type(e)).collect(),
+            constant,
+            elastic: assembly.elastic_parts(),
+            viscosity: assembly.viscosities(),
+        }
     }
 
-    /// All but the stiffness, in the order of the factors.
-    fn matrices(&self) -> Vec<&Sparse> {
-        let mut all = vec![&self.mass];
-        all.extend(self.damped.then_some(&self.damping));
-        all.extend(self.turning.iter().chain(&self.external));
-        all
+    /// The sum of the constant matrices; missing factors are zero.
+    fn terms(&self, factors: &[f64]) -> Terms<'_> {
+        let mut elements: Vec<Mat<f64>> =
+            self.elastic.elements.iter().map(|a| Mat::zeros(a.nrows(), a.ncols())).collect();
+        let mut nodal = Vec::new();
+        for (&factor, parts) in factors.iter().zip(&self.constant).filter(|(factor, _)| **factor != 0.0) {
+            elements.iter_mut().zip(&parts.elements).for_each(|(sum, a)| *sum += Scale(factor) * a);
+            nodal.extend(scaled(factor, &parts.nodal));
+        }
+        Terms { elements, element_type: self.element_type.clone(), nodal }
     }
+}
+
+fn scaled(factor: f64, nodal: &[Contribution]) -> impl Iterator<Item = (f64, &[usize], MatRef<'_, f64>)> {
+    nodal.iter().map(move |n| (factor, &n.coordinates[..], n.matrix.as_ref()))
 }
 
 /// All coordinates at the last evaluation.
@@ -211,12 +218,12 @@ impl<'a> Dynamics<'a> {
                 }
             })
             .collect();
-        let linear = Linear::new(assembly, frame == Frame::Rotating)?;
+        let linear = Linear::new(assembly, frame == Frame::Rotating);
         let alpha = model.materials.iter().any(|m| m.mass_damping != 0.0);
         let external = alpha.then(|| ScalarMass::external_damping(model));
         Ok(Self {
             reference: forces.reference(),
-            mass_factor: Ldlt::new(&linear.mass)?,
+            mass_factor: Chain::new(&linear.layout, &linear.terms(&[1.0]))?,
             viscous: model.materials.iter().any(|m| m.stiffness_damping != 0.0),
             assembly,
             drive,
@@ -370,11 +377,10 @@ impl<'a> Dynamics<'a> {
     pub fn acceleration(&mut self, t: f64, z: &[f64], v: &[f64], a: &mut [f64]) {
         a.fill(0.0);
         self.evaluate(t, z, v, a);
-        self.project(a);
-        a.iter_mut().for_each(|a| *a = -*a);
-        let n = a.len();
-        self.mass_factor.solve_in_place(MatMut::from_column_major_slice_mut(a, n, 1));
+        self.mass_factor.solve_in_place(&mut self.memory.residual);
         self.counts.solves += 1;
+        self.assembly.restrict_into(&self.memory.residual, a);
+        a.iter_mut().for_each(|a| *a = -*a);
     }
 
     /// Adds the inertia of accelerations to the forces of the last evaluation, which was made without them.
@@ -406,24 +412,19 @@ impl<'a> Dynamics<'a> {
         let Turn { speed, acceleration, angle } = self.drive.at(t);
         self.counts.factorizations += 1;
         let l = &self.linear;
-        let turning = self.frame == Frame::Rotating;
-        let spin = if turning { speed } else { 0.0 };
-        let mut factors = vec![c_a];
-        if l.damped {
-            factors.push(c_v);
-        }
-        if turning {
-            factors.extend([2.0 * spin * c_v + acceleration * c_k, spin * spin * c_k]);
-            if l.external.is_some() {
-                factors.push(spin * c_k);
-            }
-        }
+        let coriolis = 2.0 * speed * c_v + acceleration * c_k;
+        let mut terms = l.terms(&[c_a, c_v, c_k, coriolis, speed * speed * c_k, speed * c_k]);
         let factor = match state {
             None => {
-                factors.push(c_k);
-                l.family.factorise(&factors)?
+                let elastic = l.elastic.elements.iter().zip(&l.viscosity);
+                for (sum, (k, beta)) in terms.elements.iter_mut().zip(elastic) {
+                    *sum += Scale(c_k + beta * c_v) * k;
+                }
+                terms.nodal.extend(scaled(c_k, &l.elastic.nodal));
+                Chain::new(&l.layout, &terms)?
             }
             Some(z) => {
+                self.counts.tangents += 1;
                 let mut q = self.assembly.expand(z);
                 q.iter_mut().zip(&self.reference).for_each(|(q, q0)| *q += q0);
                 let (sin, cos) = angle.sin_cos();
@@ -432,12 +433,19 @@ impl<'a> Dynamics<'a> {
                         turn_pair(&mut q[at..], sin, cos);
                     }
                 }
-                let (tangent, bearings) =
-                    (self.forces.tangent(&q, Vec::new()), self.assembly.bearing_stiffness());
-                self.counts.tangents += 1;
-                let terms = l.matrices().into_iter().zip(&factors).map(|(a, f)| (*f, a));
-                let terms: Vec<_> = terms.chain([(c_k, &tangent), (c_k, &bearings)]).collect();
-                Factor::general(&combine(&terms))?
+                let mut elements = self.forces.element_tangents(&q);
+                for (e, k) in elements.iter_mut().enumerate() {
+                    *k = Scale(c_k) * &*k + &terms.elements[l.element_type[e]];
+                }
+                if self.viscous {
+                    let damping = self.forces.viscous_tangents(&q);
+                    elements.iter_mut().zip(damping).for_each(|(k, c)| *k += Scale(c_v) * c);
+                }
+                let hubs = self.forces.hub_tangents(&q);
+                terms.element_type = (0..elements.len()).collect();
+                terms.elements = elements;
+                terms.nodal.extend(scaled(c_k, &hubs));
+                Chain::new(&l.layout, &terms)?
             }
         };
         Ok(NewtonMatrix { factor, follows: state.is_none(), made_for: (coefficients, speed) })
@@ -468,17 +476,14 @@ impl<'a> Dynamics<'a> {
                 turn_vectors(&mut m.residual[node.start..node.end], &back);
             }
         }
-        self.assembly.project(&m.residual, x);
-        let mut answer = Mat::from_fn(x.len(), 1, |i, _| -x[i]);
-        matrix.factor.solve_in_place(&mut answer);
-        x.iter_mut().enumerate().for_each(|(i, x)| *x = answer[(i, 0)]);
+        matrix.factor.solve_in_place(&mut m.residual);
         if matrix.follows {
-            self.assembly.expand_into(x, &mut m.residual);
             for (node, frame) in self.nodes.iter().zip(&m.frames) {
                 turn_vectors(&mut m.residual[node.start..node.end], frame);
             }
-            self.assembly.restrict_into(&m.residual, x);
         }
+        self.assembly.restrict_into(&m.residual, x);
+        x.iter_mut().for_each(|x| *x = -*x);
     }
 
     /// Energies and angular momentum of a state.
@@ -551,26 +556,6 @@ fn following(model: &Model, node: usize) -> Following {
     }
     // a rigid hub clears higher vectors, which any rotation respects
     result
-}
-
-/// Signs of the free coordinates under reflection in the planes z = 0 and y = 0.
-fn reflections(assembly: &Assembly<'_>) -> Vec<Vec<f64>> {
-    let (model, numbering) = (assembly.model, &assembly.numbering);
-    [2, 1]
-        .into_iter()
-        .map(|normal| {
-            let mut signs = vec![1.0; numbering.len()];
-            for (node, at) in model.nodes.iter().enumerate() {
-                for (k, (a, b)) in exponents(5).into_iter().take(at.n_vectors).enumerate() {
-                    for c in 0..3 {
-                        let odd = (if normal == 2 { b } else { a }) + usize::from(c == normal);
-                        signs[numbering.index(node, k, c)] = if odd % 2 == 1 { -1.0 } else { 1.0 };
-                    }
-                }
-            }
-            assembly.restrict(&signs)
-        })
-        .collect()
 }
 
 /// Moment about x of forces (or momenta) on all coordinates, `sum y_k f_z,k - z_k f_y,k`: rotation turns every vector.

@@ -92,6 +92,9 @@ impl ElementForces {
     }
 }
 
+/// Writes a matrix of an element, by columns, for its coordinates.
+type Evaluate<'a> = &'a (dyn Fn(&ElementForces, &[f64], &mut [f64], &mut Scratch) + Sync);
+
 /// Elements and hubs of a shaft, ready to be evaluated.
 pub struct Forces<'a> {
     assembly: &'a Assembly<'a>,
@@ -216,18 +219,22 @@ impl<'a> Forces<'a> {
         })
     }
 
-    /// Tangent `dF/dq` of elements and hubs in the free coordinates, with further contributions of nodes.
-    pub fn tangent(&self, q: &[f64], nodal: Vec<Contribution>) -> Sparse {
-        self.element_sum(q, nodal, |element, q, k, scratch| element.tangent(q, k, scratch), true)
+    /// Tangent `dF/dq` of elements and hubs in the free coordinates.
+    pub fn tangent(&self, q: &[f64]) -> Sparse {
+        self.assembly.sum(&self.element_tangents(q), self.hub_tangents(q))
     }
 
-    fn element_sum(
-        &self,
-        q: &[f64],
-        mut nodal: Vec<Contribution>,
-        evaluate: impl Fn(&ElementForces, &[f64], &mut [f64], &mut Scratch) + Sync,
-        hubs: bool,
-    ) -> Sparse {
+    /// Tangent of every element in its own coordinates.
+    pub fn element_tangents(&self, q: &[f64]) -> Vec<Mat<f64>> {
+        self.element_matrices(q, &|element, q, k, scratch| element.tangent(q, k, scratch))
+    }
+
+    /// `d (Kelvin-Voigt force) / d velocity` of every element in its own coordinates.
+    pub fn viscous_tangents(&self, q: &[f64]) -> Vec<Mat<f64>> {
+        self.element_matrices(q, &|element, q, c, scratch| element.viscous_tangent(q, c, scratch))
+    }
+
+    fn element_matrices(&self, q: &[f64], evaluate: Evaluate<'_>) -> Vec<Mat<f64>> {
         let one = |work: &mut Workspace, e: usize| {
             let element = &self.elements[self.assembly.element_type(e)];
             self.gather(e, q, &mut work.q);
@@ -236,29 +243,19 @@ impl<'a> Forces<'a> {
             evaluate(element, &work.q, &mut work.force[..n * n], &mut work.scratch);
             Mat::from_fn(n, n, |i, j| work.force[j * n + i])
         };
-        let matrices: Vec<Mat<f64>> = if self.places.len() < PARALLEL_TANGENTS {
+        if self.places.len() < PARALLEL_TANGENTS {
             let mut work = Workspace::default();
             (0..self.places.len()).map(|e| one(&mut work, e)).collect()
         } else {
             (0..self.places.len()).into_par_iter().map_init(Workspace::default, one).collect()
-        };
-        if hubs {
-            for &(node, k) in &self.hubs {
-                let (model, numbering) = (self.assembly.model, &self.assembly.numbering);
-                nodal.push(support::hub_tangent(model, numbering, node, k, self.slopes(q, node)));
-            }
         }
-        self.assembly.sum(&matrices, nodal)
     }
 
-    /// `d (Kelvin-Voigt force) / d velocity` in the free coordinates.
-    pub fn viscous_tangent(&self, q: &[f64]) -> Sparse {
-        self.element_sum(
-            q,
-            Vec::new(),
-            |element, q, k, scratch| element.viscous_tangent(q, k, scratch),
-            false,
-        )
+    /// Tangent of every rigid hub.
+    pub fn hub_tangents(&self, q: &[f64]) -> Vec<Contribution> {
+        let (model, numbering) = (self.assembly.model, &self.assembly.numbering);
+        let tangent = |&(node, k)| support::hub_tangent(model, numbering, node, k, self.slopes(q, node));
+        self.hubs.iter().map(tangent).collect()
     }
 
     /// Rotation of the section at a node: orthonormal frame nearest to its r_,y and r_,z (columns are the

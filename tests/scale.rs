@@ -3,7 +3,10 @@
 mod common;
 
 use common::{campbell, case, case_files, frequencies};
+use rotor::analysis::spinup::spinup;
+use rotor::analysis::statics::statics;
 use rotor::case::{Case, LoadedCase};
+use rotor::model::SpinupSettings;
 use rotor::units::{Damping, Inertia, Length, Mass, Rate, Speed, Stiffness, Time};
 
 const SCALE: f64 = 1e-6;
@@ -47,6 +50,26 @@ fn small(case: &Case) -> LoadedCase {
         length(&mut s.at);
         s.stiffness = s.stiffness.map(|k| k.map(|row| row.map(|k| Stiffness(k.0 * SCALE))));
         s.damping = s.damping.map(|c| c.map(|row| row.map(|c| Damping(c.0 * SCALE * SCALE))));
+    }
+    for p in &mut case.probes {
+        length(&mut p.at);
+        each(&mut p.y);
+        each(&mut p.z);
+    }
+    for l in &mut case.loads {
+        each(&mut l.at);
+        l.force.iter_mut().flatten().for_each(|f| f.0 *= SCALE.powi(2));
+        l.moment.iter_mut().flatten().for_each(|m| m.0 *= SCALE.powi(3));
+    }
+    case.gravity.iter_mut().flatten().for_each(|g| g.0 /= SCALE);
+    if let Some(s) = &mut case.spinup {
+        for phase in &mut s.drive {
+            phase.until.0 *= SCALE;
+            phase.speed.0 /= SCALE;
+        }
+        for t in [&mut s.until, &mut s.step] {
+            t.iter_mut().for_each(|t| t.0 *= SCALE);
+        }
     }
     if let Some(c) = &mut case.campbell {
         c.speeds.from = Speed(c.speeds.from.0 / SCALE);
@@ -106,4 +129,42 @@ fn damped_and_hollow_members_of_all_orders() {
         let large = common::with(&base, serde_json::json!({ "shaft.element": element, "modes.count": 12 }));
         assert_same(element, &frequencies(&large), &frequencies(&small(&large.case)));
     }
+}
+
+/// Displacements of all probes over the reference, for equilibria under loads and at speed.
+#[test]
+fn equilibria_of_every_case() {
+    let mut compared = 0;
+    for path in case_files() {
+        let large = Case::load(&path, &[]).expect("case");
+        let displacements = |case: &LoadedCase| -> Vec<f64> {
+            let model = common::model(case);
+            let mut list = Vec::new();
+            if model.has_loads() {
+                let results = statics(&model).unwrap_or_else(|e| panic!("{e}")).results;
+                list.extend(results.axis.iter().flatten());
+            }
+            if let Some(settings) = &model.spinup {
+                let steady = SpinupSettings { steady: true, ..settings.clone() };
+                let results = spinup(&model, &steady, &|_, _| true).unwrap_or_else(|e| panic!("{e}")).results;
+                list.extend(results.last.growth_m);
+            }
+            list
+        };
+        let (a, b) = (displacements(&large), displacements(&small(&large.case)));
+        // positions, of which displacements are a small part, are rounded
+        let rounding = 1e-15 * common::model(&large).length;
+        let tolerance = 1e-9 * a.iter().fold(0.0, |m: f64, u| m.max(u.abs())) + rounding;
+        assert_eq!(a.len(), b.len());
+        for (a, b) in a.iter().zip(&b) {
+            assert!(
+                (a - b / SCALE).abs() <= tolerance,
+                "{}: {a} {} {tolerance:e}",
+                path.display(),
+                b / SCALE
+            );
+            compared += 1;
+        }
+    }
+    assert!(compared > 800, "{compared}");
 }

@@ -154,7 +154,7 @@ impl<'a> Balance<'a> {
 
     /// Tangent of elements, hubs and bearings at a state, without the centrifugal part.
     pub fn tangent(&self, z: &[f64]) -> Sparse {
-        let k = self.forces.tangent(&self.coordinates(z), Vec::new());
+        let k = self.forces.tangent(&self.coordinates(z));
         combine(&[(1.0, &k), (1.0, &self.bearings)])
     }
 

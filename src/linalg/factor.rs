@@ -13,15 +13,10 @@ use faer::sparse::linalg::cholesky::{
 use faer::traits::ComplexField;
 use faer::traits::ext::ComplexFieldExt;
 use faer::{Conj, MatMut, Par, Side};
-use std::sync::Arc;
-
-/// Ordering and pattern of `L` for all matrices of one pattern.
-#[derive(Clone)]
-pub struct Symbolic(Arc<SymbolicCholesky<usize>>);
 
 /// A factorised matrix `A = L D L^H` without pivoting.
 pub struct Ldlt<T> {
-    symbolic: Symbolic,
+    symbolic: SymbolicCholesky<usize>,
     values: Vec<T>,
 }
 
@@ -33,13 +28,15 @@ fn failed(what: String) -> Error {
     )
 }
 
-impl Symbolic {
-    /// Orders the unknowns by connected component of the matrix, then as they come: a doubly symmetric shaft falls
-    /// into four uncoupled banded systems (axial, torsional, two planes of bending).
+impl<T: ComplexField<Real = f64>> Ldlt<T> {
+    /// Factorises a symmetric (Hermitian) matrix; only its lower triangle is read.
+    ///
+    /// Unknowns are ordered by connected component of the matrix, then as they come: a doubly symmetric shaft falls into
+    /// four uncoupled banded systems (axial, torsional, two planes of bending).
     ///
     /// # Errors
-    /// Lack of memory.
-    pub fn new<T>(a: &SparseColMat<usize, T>) -> Result<Self> {
+    /// A zero pivot or lack of memory.
+    pub fn new(a: &SparseColMat<usize, T>) -> Result<Self> {
         let order = by_component(a);
         let ordering = Perm::new_checked(order.0.into_boxed_slice(), order.1.into_boxed_slice(), a.ncols());
         let symbolic = factorize_symbolic_cholesky(
@@ -52,30 +49,11 @@ impl Symbolic {
             },
         );
         let symbolic = symbolic.map_err(|e| failed(format!("symbolic factorisation: {e:?}")))?;
-        Ok(Self(Arc::new(symbolic)))
-    }
-}
-
-impl<T: ComplexField<Real = f64>> Ldlt<T> {
-    /// Factorises a symmetric (Hermitian) matrix; only its lower triangle is read.
-    ///
-    /// # Errors
-    /// A zero pivot or lack of memory.
-    pub fn new(a: &SparseColMat<usize, T>) -> Result<Self> {
-        Self::with(&Symbolic::new(a)?, a)
-    }
-
-    /// [`Self::new`] for a matrix of a known pattern.
-    ///
-    /// # Errors
-    /// A zero pivot or lack of memory.
-    pub fn with(symbolic: &Symbolic, a: &SparseColMat<usize, T>) -> Result<Self> {
-        let pattern = &symbolic.0;
-        let mut values = vec![T::zero_impl(); pattern.len_val()];
+        let mut values = vec![T::zero_impl(); symbolic.len_val()];
         let mut memory =
-            MemBuffer::try_new(pattern.factorize_numeric_ldlt_scratch::<T>(Par::Seq, Default::default()))
+            MemBuffer::try_new(symbolic.factorize_numeric_ldlt_scratch::<T>(Par::Seq, Default::default()))
                 .map_err(|_| failed("out of memory".to_owned()))?;
-        pattern
+        symbolic
             .factorize_numeric_ldlt(
                 &mut values,
                 a.as_ref(),
@@ -86,14 +64,14 @@ impl<T: ComplexField<Real = f64>> Ldlt<T> {
                 Default::default(),
             )
             .map_err(|e| failed(format!("numeric factorisation: {e:?}")))?;
-        Ok(Self { symbolic: symbolic.clone(), values })
+        Ok(Self { symbolic, values })
     }
 
     /// `x := A^-1 x` for every column.
     pub fn solve_in_place(&self, x: MatMut<'_, T>) {
-        let scratch = self.symbolic.0.solve_in_place_scratch::<T>(x.ncols(), Par::Seq);
+        let scratch = self.symbolic.solve_in_place_scratch::<T>(x.ncols(), Par::Seq);
         let mut memory = MemBuffer::new(scratch);
-        LdltRef::new(&self.symbolic.0, &self.values).solve_in_place_with_conj(
+        LdltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
             Conj::No,
             x,
             Par::Seq,
@@ -109,7 +87,7 @@ impl<T: ComplexField<Real = f64>> Ldlt<T> {
     }
 
     fn pivots(&self) -> Vec<f64> {
-        match self.symbolic.0.raw() {
+        match self.symbolic.raw() {
             SymbolicCholeskyRaw::Simplicial(s) => {
                 s.col_ptr()[..s.ncols()].iter().map(|&at| self.values[at].real()).collect()
             }

@@ -85,55 +85,6 @@ pub fn combine<T: ComplexField<Real = f64> + std::ops::AddAssign>(
     from_columns(n, starts, rows, values)
 }
 
-/// Matrices on the union of their patterns, so that sums of them are sums of lists.
-pub struct Aligned {
-    pattern: Sparse,
-    values: Vec<Vec<f64>>,
-}
-
-impl Aligned {
-    /// Brings matrices of one shape onto one pattern.
-    pub fn new(matrices: &[&Sparse]) -> Self {
-        let ones: Vec<(f64, &Sparse)> = matrices.iter().map(|&a| (0.0, a)).collect();
-        let pattern = combine(&ones);
-        let on_pattern = |a: &Sparse| {
-            let mut values = vec![0.0; pattern.val().len()];
-            for j in 0..a.ncols() {
-                let (start, rows) = (pattern.symbolic().col_ptr()[j], pattern.row_idx_of_col_raw(j));
-                for (row, value) in a.row_idx_of_col_raw(j).iter().zip(a.val_of_col(j)) {
-                    if let Ok(at) = rows.binary_search(row) {
-                        values[start + at] = *value;
-                    }
-                }
-            }
-            values
-        };
-        let values = matrices.iter().map(|a| on_pattern(a)).collect();
-        Self { pattern, values }
-    }
-
-    /// `sum_k factor_k A_k`.
-    pub fn combine(&self, factors: &[f64]) -> Sparse {
-        let mut sum = self.pattern.clone();
-        for (values, &factor) in self.values.iter().zip(factors).filter(|(_, f)| **f != 0.0) {
-            sum.val_mut().iter_mut().zip(values).for_each(|(s, v)| *s += factor * v);
-        }
-        sum
-    }
-
-    /// Multiplies every row by a number.
-    pub fn scale_rows(&mut self, factors: &[f64]) {
-        for values in &mut self.values {
-            values.iter_mut().zip(self.pattern.symbolic().row_idx()).for_each(|(v, &row)| *v *= factors[row]);
-        }
-    }
-
-    /// The common pattern, values zero.
-    pub fn pattern(&self) -> &Sparse {
-        &self.pattern
-    }
-}
-
 /// A square matrix from its compressed columns (rows ascending within each).
 pub fn from_columns<T>(
     n: usize,

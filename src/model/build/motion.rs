@@ -64,7 +64,7 @@ impl Input<'_> {
             }
             self.within(&path, until, 1e-12, LONGEST)?;
             let speed = self.not_negative(&format!("spinup.drive.{i}.speed"), phase.speed.0)?;
-            self.within(&format!("spinup.drive.{i}.speed"), speed, 0.0, 1e9)?;
+            self.within(&format!("spinup.drive.{i}.speed"), speed, 0.0, 1e12)?;
             drive.push(Phase { until, speed });
             before = until;
         }
