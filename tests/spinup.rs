@@ -82,9 +82,10 @@ fn energy_is_balanced_without_numerical_damping() {
         run(&unbalanced("rigid", set)).results.energy.as_ref().expect("energy").relative_error.abs()
     };
     assert!(error(5e-5) < 1e-6, "{:e}", error(5e-5));
-    // and with it the loss is told
+    // and with it the loss is told: a short ramp excites fast vibrations, which numerical damping absorbs
     let lost = |rho: f64| {
-        let set = json!({ "spinup.integrator": "generalized-alpha", "spinup.rho_infinity": rho, "spinup.step": 1e-3 });
+        let set = json!({ "spinup.integrator": "generalized-alpha", "spinup.rho_infinity": rho, "spinup.step": 2.5e-4,
+                          "spinup.drive.0.until": 0.02 });
         run(&unbalanced("rigid", set)).results.energy.as_ref().expect("energy").relative_error
     };
     assert!(lost(0.0) > 0.0 && lost(0.0) > 3.0 * lost(1.0).abs(), "{:e} {:e}", lost(0.0), lost(1.0));
@@ -95,7 +96,7 @@ fn integrators_converge_with_their_order() {
     let set = |integrator: &str, step: f64| json!({ "spinup.integrator": integrator, "spinup.step": step, "spinup.rtol": 1e-8, "spinup.atol": 1e-11 });
     let exact = run(&unbalanced("rigid", json!({ "spinup.rtol": 1e-9, "spinup.atol": 1e-12 })));
     let exact = history(&exact);
-    for (integrator, coarse, order) in [("esdirk", 2.5e-3, 4.0), ("generalized-alpha", 1e-3, 2.0)] {
+    for (integrator, coarse, order) in [("esdirk", 2.5e-3, 4.0), ("generalized-alpha", 2.5e-4, 2.0)] {
         let error = |step: f64| {
             let run = run(&unbalanced("rigid", set(integrator, step)));
             largest_difference(&history(&run).mid_span_m, &exact.mid_span_m)

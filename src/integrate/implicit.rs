@@ -474,10 +474,17 @@ impl Newton {
                 (fresh, self.slow, self.rate) = (true, false, 1.0);
                 self.secants.clear();
             }
-            if self.iterate(dynamics, stage, x, tolerance) {
+            if self.iterate(dynamics, stage, x, tolerance, false)? {
                 return Ok(true);
             }
             x.copy_from_slice(&guess);
+            if fresh && self.present {
+                // the last resort: a tangent in every iteration
+                self.secants.clear();
+                if self.iterate(dynamics, stage, x, tolerance, true)? {
+                    return Ok(true);
+                }
+            }
             if fresh || (stale <= RIGHT && !self.present) {
                 self.matrix = None;
                 return Ok(false);
@@ -495,13 +502,15 @@ impl Newton {
         }
     }
 
+    /// Iterates from x; `full`: with the tangent of every iterate.
     fn iterate(
         &mut self,
         dynamics: &mut Dynamics<'_>,
         stage: &Stage<'_>,
         x: &mut [f64],
         tolerance: f64,
-    ) -> bool {
+        full: bool,
+    ) -> Result<bool> {
         let (mut before, mut stalls) = (f64::INFINITY, 0);
         self.effort.0 += 1;
         for iteration in 0..ITERATIONS {
@@ -511,32 +520,38 @@ impl Newton {
             if iteration == 0 {
                 dynamics.follow_sections();
             }
-            let Some(matrix) = &self.matrix else { return false };
+            if full {
+                let z = Some(&self.z[..]);
+                self.matrix = Some(dynamics.newton_matrix(stage.t, stage.coefficients, z)?);
+            }
+            let Some(matrix) = &self.matrix else { return Ok(false) };
             dynamics.correct(matrix, &mut self.change);
-            self.secants.improve(&mut self.change, iteration > 0);
+            if !full {
+                self.secants.improve(&mut self.change, iteration > 0);
+            }
             let size =
                 self.change.iter().fold(0.0, |m: f64, d| if d.abs() >= m { d.abs() } else { m + d * 0.0 });
             let size = size / tolerance;
             if !size.is_finite() {
-                return false;
+                return Ok(false);
             }
             x.iter_mut().zip(&self.change).for_each(|(x, d)| *x += d);
             if iteration > 0 {
                 self.rate = (size / before).max(0.3 * self.rate).max(FASTEST);
                 self.slow = size / before > SLOW;
                 stalls = if size / before > 0.9 { stalls + 1 } else { 0 };
-                if stalls > 1 || size > 2.0 * before {
-                    // corrections that no longer shrink are rounding, or no solution
-                    return size * tolerance < ROUNDING * dynamics.assembly.model.length;
+                // corrections that no longer shrink are rounding, or no solution
+                if stalls > 1 || (size > 2.0 * before && !full) {
+                    return Ok(size * tolerance < ROUNDING * dynamics.assembly.model.length);
                 }
             }
             let rate = self.rate.min(0.9);
             if size * rate / (1.0 - rate) < NEWTON {
-                return true;
+                return Ok(true);
             }
             before = size;
         }
-        false
+        Ok(false)
     }
 }
 
