@@ -47,7 +47,18 @@ fn help_names_every_command_with_examples() {
     let got = rotor(project(), &["--help"]);
     let help = text(&got.stdout);
     assert!(got.status.success());
-    for word in ["check", "modes", "campbell", "matrices", "validate", "schema", "Examples:", "Exit codes"] {
+    for word in [
+        "check",
+        "modes",
+        "campbell",
+        "static",
+        "spinup",
+        "matrices",
+        "validate",
+        "schema",
+        "Examples:",
+        "Exit codes",
+    ] {
         assert!(help.contains(word), "{word}");
     }
     let help = text(&rotor(project(), &["campbell", "--help"]).stdout);
@@ -184,6 +195,54 @@ fn a_failed_run_leaves_old_reports() {
     assert_eq!(rotor(folder.path(), &broken).status.code(), Some(2));
     assert_eq!(read(folder.path().join("o/modes.json")), before);
     assert!(files(&folder.path().join("o")).iter().all(|f| !f.contains("tmp")));
+}
+
+/// A load that nothing carries: exit 1, the last state found and what was tried are kept.
+#[test]
+fn a_collapse_keeps_the_last_state() {
+    let folder = workplace();
+    let run = ["static", "cases/table7-compression.json", "--out", "o"];
+    let set = [
+        ["--set", "loads.0.traction=[0,-1e11,0]"],
+        ["--set", "loads.1.traction=[0,1e11,0]"],
+        ["--set", "shaft.segments.0.elements=2"],
+    ];
+    let got = rotor(folder.path(), &[&run[..], &set.concat()].concat());
+    assert_eq!(got.status.code(), Some(1), "{}", text(&got.stderr));
+    assert!(text(&got.stderr).contains("no equilibrium was found beyond"), "{}", text(&got.stderr));
+    let report: Value = serde_json::from_str(&read(folder.path().join("o/static.json"))).expect("JSON");
+    let reached = report["results"]["load_factor"].as_f64().expect("a load factor");
+    assert!(reached > 0.0 && reached < 1.0 && report["results"]["converged"] == false, "{reached}");
+}
+
+/// The first interrupt ends a run-up with what is done: a whole report, marked incomplete, exit 1.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_up_reports_what_is_done() {
+    let folder = workplace();
+    let arguments =
+        ["spinup", "cases/table8-spin-circle.json", "--out", "o", "--set", "spinup.integrator=adams"];
+    let mut run = Command::new(env!("CARGO_BIN_EXE_rotor"))
+        .args(arguments)
+        .current_dir(folder.path())
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("runs");
+    // a minute of work: it is far from done when the signal comes
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    let signal = Command::new("kill").args(["-INT", &run.id().to_string()]).status().expect("kill");
+    assert!(signal.success());
+    let status = run.wait().expect("ends");
+    assert_eq!(status.code(), Some(1));
+    let report: Value = serde_json::from_str(&read(folder.path().join("o/spinup.json"))).expect("JSON");
+    assert_eq!(report["results"]["complete"], false);
+    let reached = report["results"]["final"]["time_s"].as_f64().expect("a time");
+    assert!(reached > 0.0 && reached < 1.0, "{reached}");
+    let codes: Vec<&str> =
+        report["diagnostics"].as_array().expect("list").iter().filter_map(|d| d["code"].as_str()).collect();
+    assert!(codes.contains(&"interrupted"), "{codes:?}");
+    assert!(files(&folder.path().join("o")).contains(&"energy.svg".to_owned()));
 }
 
 /// Every `rotor ...` line of the README's console blocks works.

@@ -66,12 +66,54 @@ fn texts_do_not_overlap() {
     let diagrams = [data::rotor(), data::damped(), data::crowded(), lone];
     let figures = diagrams.map(|results| campbell::svg(&data::report("A rotor", results)).unwrap());
     let shapes = modes::svg(&data::report("A free tube", data::tube_modes())).unwrap();
-    for svg in figures.iter().chain([&shapes]) {
-        let labels = labels(svg);
-        for (index, (text, a)) in labels.iter().enumerate() {
-            for (other, b) in &labels[index + 1..] {
-                let apart = a[2] <= b[0] || b[2] <= a[0] || a[3] <= b[1] || b[3] <= a[1];
-                assert!(apart, "{text:?} at {a:?} and {other:?} at {b:?}");
+    figures.iter().chain([&shapes]).for_each(|svg| do_not_overlap(&labels(svg)));
+}
+
+fn do_not_overlap(labels: &[Label]) {
+    for (index, (text, a)) in labels.iter().enumerate() {
+        for (other, b) in &labels[index + 1..] {
+            let apart = a[2] <= b[0] || b[2] <= a[0] || a[3] <= b[1] || b[3] <= a[1];
+            assert!(apart, "{text:?} at {a:?} and {other:?} at {b:?}");
+        }
+    }
+}
+
+/// The figures of statics and spin-up, of real runs: names, units, what they must show.
+#[test]
+fn figures_of_statics_and_spin_up_are_complete() {
+    use rotor::run::{Analysis, run};
+    let wanted: [(&str, Analysis, &[(&str, &[&str])]); 3] = [
+        (
+            "table5-cantilever",
+            Analysis::Static,
+            &[
+                ("static.svg", &["Displacement"]),
+                ("section.svg", &["I1", "undeformed", "deformed", "displaced"]),
+            ],
+        ),
+        (
+            "table8-spin-circle",
+            Analysis::Spinup,
+            &[
+                ("spinup.svg", &["Speed", "rpm", "Growth", "closed form", "Torque", "N m"]),
+                ("orbit.svg", &["start", "end", "largest radius"]),
+                ("section.svg", &["Cauchy stress", "Pa", "I2^(1/2)", "I3^(1/3)", "undeformed"]),
+                ("energy.svg", &["kinetic", "strain", "work of the drive", "lost by the integrator", "J"]),
+            ],
+        ),
+        ("iftomm-runup", Analysis::Spinup, &[("orbit.svg", &["Displacement along y", "largest radius"])]),
+    ];
+    for (stem, analysis, figures) in wanted {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("cases/{stem}.json"));
+        let case = rotor::case::Case::load(&path, &[]).unwrap();
+        let finished = run(&case, analysis, true, &|_| (), &|_, _| true).unwrap();
+        for (name, words) in figures {
+            let svg = &finished.plots.iter().find(|(file, _)| file == name).unwrap().1;
+            let labels = labels(svg);
+            do_not_overlap(&labels);
+            let texts: Vec<String> = labels.into_iter().map(|(text, _)| text).collect();
+            for word in *words {
+                assert!(shows(&texts, word), "{stem} {name}: {word} in {texts:?}");
             }
         }
     }
