@@ -191,5 +191,5 @@ fn outline(profile: &Profile) -> (Panel, String) {
         });
     }
     let panel = Panel { across: ("z", "m"), up: ("y", "m"), curves, marks: Vec::new(), equal: true };
-    (panel, format!("{scale:.0e}"))
+    (panel, if scale < 1e6 { format!("{scale}") } else { format!("{scale:.0e}") })
 }
