@@ -61,6 +61,38 @@ fn tangent(bencher: Bencher<'_, '_>, (order, quadrature): (usize, usize)) {
     bencher.bench_local(|| element.tangent(divan::black_box(&q), &mut tangent, &mut scratch));
 }
 
+/// 34X3, exact, with narrower instructions than the machine may have.
+const NARROW: [&str; 2] = ["AVX2", "none"];
+
+fn narrow(name: &str) -> Option<(NonlinearElement, Vec<f64>)> {
+    let arch = match name {
+        #[cfg(target_arch = "x86_64")]
+        "AVX2" => pulp::Arch::V3(pulp::x86::V3::try_new()?),
+        "none" => pulp::Arch::Scalar,
+        _ => return None,
+    };
+    let (element, q) = element(3, 0);
+    Some((element.with_instructions(arch), q))
+}
+
+#[divan::bench(args = NARROW)]
+fn force_with(bencher: Bencher<'_, '_>, name: &str) {
+    let Some((element, q)) = narrow(name) else { return };
+    let mut scratch = Scratch::default();
+    let mut force = vec![0.0; q.len()];
+    bencher
+        .counter(ItemsCount::new(element.force_operations()))
+        .bench_local(|| element.internal_force(divan::black_box(&q), None, &mut force, &mut scratch));
+}
+
+#[divan::bench(args = NARROW)]
+fn tangent_with(bencher: Bencher<'_, '_>, name: &str) {
+    let Some((element, q)) = narrow(name) else { return };
+    let mut scratch = Scratch::default();
+    let mut tangent = vec![0.0; q.len() * q.len()];
+    bencher.bench_local(|| element.tangent(divan::black_box(&q), &mut tangent, &mut scratch));
+}
+
 /// Independent multiply-adds in registers: the core's peak, in the same units.
 #[divan::bench]
 fn peak(bencher: Bencher<'_, '_>) {

@@ -174,6 +174,38 @@ fn kelvin_voigt_forces_dissipate_and_ignore_rotation() {
     }
 }
 
+#[test]
+fn vector_instructions_of_all_widths_agree() {
+    let mut narrow = vec![pulp::Arch::Scalar];
+    #[cfg(target_arch = "x86_64")]
+    narrow.extend(pulp::x86::V3::try_new().map(pulp::Arch::V3));
+    for (name, kind, section, quadrature) in elements() {
+        let widest = element(kind, &section, quadrature);
+        let (q, n) = (deformed(kind), widest.size());
+        let v: Vec<f64> = (0..n).map(|i| (0.37 * i as f64).cos()).collect();
+        let all = |element: &NonlinearElement| {
+            let (scratch, mut results) = (&mut Scratch::default(), [(); 2].map(|()| vec![0.0; n]).to_vec());
+            results.extend([(); 2].map(|()| vec![0.0; n * n]));
+            let energy = element.internal_force(&q, None, &mut results[0], scratch);
+            element.internal_force(&q, Some(&v), &mut results[1], scratch);
+            element.tangent(&q, &mut results[2], scratch);
+            element.material_tangent(&q, &mut results[3], scratch);
+            results.push(vec![energy]);
+            results
+        };
+        let expected = all(&widest);
+        for &arch in &narrow {
+            for (ours, expected) in all(&widest.clone().with_instructions(arch)).iter().zip(&expected) {
+                let scale = largest(expected);
+                assert!(
+                    ours.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12 * scale),
+                    "{name} {arch:?}"
+                );
+            }
+        }
+    }
+}
+
 fn solve(case: &rotor::case::LoadedCase) -> Static {
     statics(&model(case)).unwrap_or_else(|e| panic!("{e}")).results
 }

@@ -201,6 +201,12 @@ impl NonlinearElement {
         }
     }
 
+    /// Computes with the given vector instructions instead of the widest of the machine.
+    pub fn with_instructions(mut self, arch: Arch) -> Self {
+        self.arch = arch;
+        self
+    }
+
     /// Kelvin-Voigt factor beta of the material, s.
     pub fn viscosity(&self) -> f64 {
         self.viscosity
