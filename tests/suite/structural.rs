@@ -1,8 +1,6 @@
 //! The nonlinear form of the comparison elements 3333s and 3333c.
 
-mod common;
-
-use common::{case, model, with};
+use crate::common::{case, model, with};
 use nalgebra::{Rotation3, Vector3};
 use rotor::analysis::{spinup::spinup, statics::statics};
 use rotor::element::ElementMatrices;

@@ -1,7 +1,5 @@
 //! Every case against the reports in `reports/` (made by `reports/remake.sh`), numbers with a tolerance.
 
-mod common;
-
 use rotor::case::Case;
 use rotor::run::{Analysis, run};
 use serde_json::Value;
@@ -73,7 +71,7 @@ fn compare(path: &str, ours: &Value, kept: &Value, rtol: f64, floor: f64) {
 #[test]
 fn reports_are_as_kept() {
     let mut compared = 0;
-    for path in common::case_files() {
+    for path in crate::common::case_files() {
         let stem = path.file_stem().expect("name").to_string_lossy().into_owned();
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports").join(&stem);
         let loaded = Case::load(&path, &[]).expect("case");

@@ -1,7 +1,5 @@
 //! Bad input: exit code 2, file, JSON path, value and remedy in the message, nothing written, no panic.
 
-mod common;
-
 use proptest::prelude::*;
 use rotor::case::{Case, LoadedCase};
 use rotor::error::{Error, Result};
@@ -545,7 +543,7 @@ fn the_schema_knows_the_keys_of_the_nonlinear_analyses() {
 #[test]
 fn the_schema_knows_every_key_of_the_cases() {
     let schema = rotor::case::schema().to_string();
-    for path in common::case_files() {
+    for path in crate::common::case_files() {
         let loaded = Case::load(&path, &[]).unwrap();
         for key in loaded.value.as_object().unwrap().keys() {
             assert!(schema.contains(&format!("\"{key}\"")), "{key}");

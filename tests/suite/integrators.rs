@@ -1,9 +1,7 @@
 //! The integrators against an independent one (Dormand and Prince's order 5 of the crate `ode_solvers`) on the equations
 //! of a small soft rotor, and against each other.
 
-mod common;
-
-use common::{model, shaft, with};
+use crate::common::{model, shaft, with};
 use ode_solvers::{DVector, Dopri5, OutputType, System};
 use rotor::analysis::spinup::spinup;
 use rotor::assembly::Assembly;

@@ -1,8 +1,6 @@
 //! The two frames and forms of the spinning shaft: reference values, equivalence, instability.
 
-mod common;
-
-use common::{model, shaft};
+use crate::common::{model, shaft};
 use rotor::case::LoadedCase;
 use rotor::results::{Campbell, Level, ModeKind, Whirl};
 use serde_json::{Value, json};

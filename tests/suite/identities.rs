@@ -1,8 +1,6 @@
 //! Identities that hold exactly: mass and its moments, symmetry, rigid motions, joints.
 
-mod common;
-
-use common::{model, shaft, with};
+use crate::common::{model, shaft, with};
 use faer::Mat;
 use proptest::prelude::*;
 use rotor::analysis::check::properties;
@@ -175,7 +173,7 @@ fn patch_of_uneven_elements() {
 #[test]
 fn check_agrees_with_the_matrices() {
     for stem in ["bauchau", "two-disk-stepped", "friswell-591"] {
-        let model = model(&common::case(stem));
+        let model = model(&crate::common::case(stem));
         let p = properties(&model);
         let (rows, list) = matrices(&model);
         let m = list.iter().find(|m| m.name == "M").expect("M");
@@ -241,7 +239,7 @@ proptest! {
             prop_assert!(found.sturm_count_agrees);
             prop_assert!(found.modes[rigid..].iter().all(|m| m.frequency_rad_s > 0.0 && m.relative_residual <= 1e-10));
         }
-        for (a, b) in common::frequencies(&loose).iter().zip(common::frequencies(&tight)) {
+        for (a, b) in crate::common::frequencies(&loose).iter().zip(crate::common::frequencies(&tight)) {
             prop_assert!(b >= a * (1.0 - 1e-7), "{} {}", a, b);
         }
         let speed = place * 1000.0;

@@ -1,5 +1,4 @@
 //! Shared by the tests: cases from the repository or built in place, with overrides.
-#![allow(dead_code)]
 
 use rotor::case::{Case, LoadedCase};
 use rotor::model::Model;

@@ -49,7 +49,7 @@ struct Reference {
 }
 
 fn references() -> Vec<Reference> {
-    let text = include_str!("reference/element.json");
+    let text = include_str!("../reference/element.json");
     let reference: Value = serde_json::from_str(text).expect("JSON");
     let cases = reference["cases"].as_array().expect("cases").clone();
     assert_eq!(cases.len(), 4);

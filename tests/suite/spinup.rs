@@ -1,8 +1,6 @@
 //! Spin-up: frames, integrators, energies and torques against each other and against closed forms.
 
-mod common;
-
-use common::{model, shaft, with};
+use crate::common::{model, shaft, with};
 use rotor::analysis::Outcome;
 use rotor::analysis::spinup::spinup;
 use rotor::case::LoadedCase;
@@ -78,7 +76,8 @@ fn energy_is_balanced_without_numerical_damping() {
     assert!(energy.drive_work_j > 1.0 && energy.relative_error.abs() < 1e-6, "{energy:?}");
     // generalized-alpha without numerical damping: second order in the step
     let error = |step: f64| {
-        let set = json!({ "spinup.integrator": "generalized-alpha", "spinup.rho_infinity": 1.0, "spinup.step": step });
+        let set = json!({ "spinup.integrator": "generalized-alpha", "spinup.rho_infinity": 1.0, "spinup.step": step,
+                          "spinup.rtol": 1e-10, "spinup.atol": 1e-13 });
         run(&unbalanced("rigid", set)).results.energy.as_ref().expect("energy").relative_error.abs()
     };
     assert!(error(5e-5) < 1e-6, "{:e}", error(5e-5));
@@ -241,7 +240,7 @@ fn hard_cases_end_with_a_reason() {
 /// The steady state and the end of a slow ramp agree; micrometres and metres too.
 #[test]
 fn the_end_of_a_ramp_is_the_steady_state() {
-    let case = common::case("table9-spin-ellipse");
+    let case = crate::common::case("table9-spin-ellipse");
     let ramp = run(&with(&case, json!({ "shaft.segments.0.elements": 4 })));
     let steady = run(&with(&case, json!({ "shaft.segments.0.elements": 4, "spinup.steady": true })));
     for i in 0..2 {

@@ -1,8 +1,6 @@
 //! Closed forms, and convergence rates towards them or towards fine meshes.
 
-mod common;
-
-use common::{frequencies, of_kind, shaft, with};
+use crate::common::{frequencies, of_kind, shaft, with};
 use rotor::results::ModeKind;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -125,7 +123,7 @@ fn conical_whirl_of_a_rigid_body() {
     );
     let m = RHO * PI * r * r * l;
     let (polar, diametral) = (m * r * r / 2.0, m * (r * r / 4.0 + l * l / 12.0));
-    let found = common::campbell(&case);
+    let found = crate::common::campbell(&case);
     for (index, speed) in found.speeds_rad_s.iter().enumerate() {
         let half = speed * polar / (2.0 * diametral);
         let root = (half * half + k * l * l / 2.0 / diametral).sqrt();
@@ -156,7 +154,7 @@ fn conical_whirl_with_a_disk() {
     );
     let m = RHO * PI * r * r * l;
     let (polar, diametral) = (m * r * r / 2.0 + 1.8, m * (r * r / 4.0 + l * l / 12.0) + 1.0);
-    let found = common::campbell(&case);
+    let found = crate::common::campbell(&case);
     let half = 100.0 * polar / (2.0 * diametral);
     let root = (half * half + k * l * l / 2.0 / diametral).sqrt();
     let conical = |whirl: rotor::results::Whirl, w: f64| {
@@ -179,7 +177,7 @@ fn free_precession_of_an_unsupported_body() {
         2,
         json!({ "campbell": { "speeds": { "from": 100, "to": 300, "count": 3 }, "modes": 2 } }),
     );
-    let found = common::campbell(&case);
+    let found = crate::common::campbell(&case);
     let ratio = (r * r / 2.0) / (r * r / 4.0 + l * l / 12.0);
     for (f, speed) in found.branches[0].frequency_rad_s.iter().zip(&found.speeds_rad_s) {
         close(f.expect("a frequency"), speed * ratio, 1e-5);
@@ -208,16 +206,16 @@ fn material_damping_and_its_instability_threshold() {
         c.branches[branch].log_decrement[at].expect("a decrement")
     };
     let (alpha, beta) = (4.0, 2e-5);
-    let external = common::campbell(&base(json!({ "mass": alpha }), 10.0));
+    let external = crate::common::campbell(&base(json!({ "mass": alpha }), 10.0));
     let w = external.branches[0].frequency_rad_s[0].expect("a frequency");
-    let internal = common::campbell(&base(json!({ "stiffness": beta }), 10.0));
+    let internal = crate::common::campbell(&base(json!({ "stiffness": beta }), 10.0));
     close(decrement(&external, 0, 0), PI * alpha / w, 1e-6);
     let w = w.hypot(alpha / 2.0); // undamped
     close(decrement(&internal, 0, 0), PI * beta * w, 1e-6);
 
     // threshold: forward decay alpha/2 + beta w (w - Omega)/2 vanishes at Omega = w + alpha/(beta w)
     let threshold = w + alpha / (beta * w);
-    let both = common::campbell(&base(json!({ "mass": alpha, "stiffness": beta }), 2.0 * threshold));
+    let both = crate::common::campbell(&base(json!({ "mass": alpha, "stiffness": beta }), 2.0 * threshold));
     let forward = both.branches.iter().find(|b| b.name == "1F").expect("1F");
     let unstable =
         forward.log_decrement.iter().position(|d| d.expect("a decrement") < 0.0).expect("unstable");

@@ -1,8 +1,6 @@
 //! The unit of length does not matter: a rotor a million times smaller has the same dimensionless results.
 
-mod common;
-
-use common::{campbell, case, case_files, frequencies};
+use crate::common::{campbell, case, case_files, frequencies};
 use rotor::analysis::spinup::spinup;
 use rotor::analysis::statics::statics;
 use rotor::case::{Case, LoadedCase};
@@ -126,7 +124,8 @@ fn campbell_diagrams_and_critical_speeds_of_every_case() {
 fn damped_and_hollow_members_of_all_orders() {
     let base = case("bauchau-hollow");
     for element in ["34X1", "34X2", "34X4", "34X5"] {
-        let large = common::with(&base, serde_json::json!({ "shaft.element": element, "modes.count": 12 }));
+        let large =
+            crate::common::with(&base, serde_json::json!({ "shaft.element": element, "modes.count": 12 }));
         assert_same(element, &frequencies(&large), &frequencies(&small(&large.case)));
     }
 }
@@ -138,7 +137,7 @@ fn equilibria_of_every_case() {
     for path in case_files() {
         let large = Case::load(&path, &[]).expect("case");
         let displacements = |case: &LoadedCase| -> Vec<f64> {
-            let model = common::model(case);
+            let model = crate::common::model(case);
             let mut list = Vec::new();
             if model.has_loads() {
                 let results = statics(&model).unwrap_or_else(|e| panic!("{e}")).results;
@@ -153,7 +152,7 @@ fn equilibria_of_every_case() {
         };
         let (a, b) = (displacements(&large), displacements(&small(&large.case)));
         // positions, of which displacements are a small part, are rounded
-        let rounding = 1e-15 * common::model(&large).length;
+        let rounding = 1e-15 * crate::common::model(&large).length;
         let tolerance = 1e-9 * a.iter().fold(0.0, |m: f64, u| m.max(u.abs())) + rounding;
         assert_eq!(a.len(), b.len());
         for (a, b) in a.iter().zip(&b) {

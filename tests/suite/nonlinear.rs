@@ -1,8 +1,6 @@
 //! Nonlinear forces and static equilibrium: derivatives, rigid motions, objectivity, patches, published values.
 
-mod common;
-
-use common::{model, shaft, with};
+use crate::common::{model, shaft, with};
 use nalgebra::{Rotation3, Vector3};
 use rotor::analysis::statics::statics;
 use rotor::element::ElementMatrices;
@@ -386,7 +384,7 @@ fn buckling_and_collapse_are_told() {
     assert_eq!(beyond.results.newton.unstable_directions, 2);
     assert!(beyond.diagnostics.iter().any(|d| d.code == "unstable-equilibrium"));
     let collapse = with(
-        &common::case("table7-compression"),
+        &crate::common::case("table7-compression"),
         json!({ "loads.0.traction.1": -1e11, "loads.1.traction.1": 1e11, "shaft.segments.0.elements": 2 }),
     );
     let outcome = statics(&model(&collapse)).unwrap_or_else(|e| panic!("{e}"));

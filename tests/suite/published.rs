@@ -1,9 +1,7 @@
 //! Published and independently computed values. Sources and tolerances stand in the cases' `expected`, and
 //! here beside the numbers that are no case of their own.
 
-mod common;
-
-use common::{case, case_files, criticals_rpm, of_kind, shaft, with};
+use crate::common::{case, case_files, criticals_rpm, of_kind, shaft, with};
 use rotor::case::Case;
 use rotor::results::ModeKind;
 use rotor::validate::validate;
@@ -60,7 +58,7 @@ fn brief_case(hub: &str) -> rotor::case::LoadedCase {
 }
 
 fn lateral_criticals(case: &rotor::case::LoadedCase) -> Vec<f64> {
-    let found = common::campbell(case).critical_speeds;
+    let found = crate::common::campbell(case).critical_speeds;
     found.iter().filter(|c| c.kind == ModeKind::Bending).map(|c| c.speed_rpm).collect()
 }
 

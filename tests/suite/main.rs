@@ -1,0 +1,17 @@
+//! All tests, by kind, in one program: linking the library once is most of what they cost.
+
+mod analytical;
+mod cli;
+mod common;
+mod element;
+mod frames;
+mod golden;
+mod identities;
+mod input;
+mod integrators;
+mod nonlinear;
+mod plots;
+mod published;
+mod scale;
+mod spinup;
+mod structural;
