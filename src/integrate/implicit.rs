@@ -1,6 +1,6 @@
 //! Implicit integrators of `M z'' = g(t, z, z')` in second-order form: every system solved is n x n.
 //!
-//! - ESDIRK4(3), the six-stage method ARK4(3)6L[2]SA of Kennedy and Carpenter (Appl. Numer. Math. 44, 2003): order 4,
+//! - ESDIRK4(3), the six-stage method `ARK4(3)6L[2]SA` of Kennedy and Carpenter (Appl. Numer. Math. 44, 2003): order 4,
 //!   embedded order 3, L-stable, stiffly accurate; its own error estimate.
 //! - Generalized-alpha of Chung and Hulbert (J. Appl. Mech. 60, 1993): order 2, numerical damping set by the
 //!   spectral radius at infinity; error from the change of acceleration.
