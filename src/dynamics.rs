@@ -294,7 +294,7 @@ impl<'a> Dynamics<'a> {
         }
     }
 
-    /// Forces out of balance in the unknowns' own coordinates, kept for [`Self::correct`] and [`Self::project`].
+    /// Forces out of balance in the unknowns' own coordinates, kept for [`Self::correct`].
     pub fn evaluate(&mut self, t: f64, z: &[f64], v: &[f64], a: &[f64]) {
         let turn = self.drive.at(t);
         self.move_to(turn, z, v, a);
@@ -347,11 +347,6 @@ impl<'a> Dynamics<'a> {
                 turn_pair(&mut m.residual[at..], -sin, cos);
             }
         }
-    }
-
-    /// The forces of the last evaluation on the free coordinates.
-    pub fn project(&self, g: &mut [f64]) {
-        self.assembly.project(&self.memory.residual, g);
     }
 
     /// Forces of the supports on all coordinates at the last evaluation, in fixed directions: resultant at each
