@@ -83,8 +83,6 @@ pub struct Counts {
     pub factorizations: usize,
     /// Of those, with the tangent of the present state.
     pub tangents: usize,
-    /// Corrections solved.
-    pub solves: usize,
 }
 
 /// A factorised Newton matrix `c_a M + c_v C + c_k K`.
@@ -373,7 +371,6 @@ impl<'a> Dynamics<'a> {
         a.fill(0.0);
         self.evaluate(t, z, v, a);
         self.mass_factor.solve_in_place(&mut self.memory.residual);
-        self.counts.solves += 1;
         self.assembly.restrict_into(&self.memory.residual, a);
         a.iter_mut().for_each(|a| *a = -*a);
     }
@@ -463,7 +460,6 @@ impl<'a> Dynamics<'a> {
 
     /// `x := -A^-1 g` for the forces of the last evaluation.
     pub fn correct(&mut self, matrix: &NewtonMatrix, x: &mut [f64]) {
-        self.counts.solves += 1;
         let m = &mut self.memory;
         if matrix.follows {
             for (node, frame) in self.nodes.iter().zip(&m.frames) {
