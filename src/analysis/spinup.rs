@@ -51,7 +51,7 @@ pub fn refusal(model: &Model, settings: &SpinupSettings) -> Option<Refusal> {
     let across = |node: usize| {
         let range = assembly.numbering.of_node(node);
         let start = range.start;
-        assembly.free_among(range).into_iter().any(|i| (i - start) % 3 != 0)
+        assembly.free_among(range).into_iter().any(|i| !(i - start).is_multiple_of(3))
     };
     (0..model.nodes.len()).any(|node| drives(model, node) && across(node)).then_some(Refusal {
         path: "spinup.integrator",

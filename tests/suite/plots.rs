@@ -82,7 +82,8 @@ fn do_not_overlap(labels: &[Label]) {
 #[test]
 fn figures_of_statics_and_spin_up_are_complete() {
     use rotor::run::{Analysis, run};
-    let wanted: [(&str, Analysis, &[(&str, &[&str])]); 3] = [
+    type Figure<'a> = (&'a str, &'a [&'a str]);
+    let wanted: [(&str, Analysis, &[Figure<'_>]); 3] = [
         (
             "table5-cantilever",
             Analysis::Static,
