@@ -5,6 +5,7 @@ use divan::counter::ItemsCount;
 use rotor::element::nonlinear::{NonlinearElement, Scratch};
 use rotor::model::{ElementKind, Law, Material, Quadrature};
 use rotor::section::Section;
+use rotor::vectors::SectionBasis;
 
 fn main() {
     divan::main();
@@ -17,7 +18,7 @@ const QUADRATURES: [(&str, Quadrature); 3] = [
 ];
 
 fn element(order: usize, quadrature: usize) -> (NonlinearElement, Vec<f64>) {
-    let kind = ElementKind { axial_degree: 3, section_order: order, law: Law::Continuum };
+    let kind = ElementKind { axial_degree: 3, basis: SectionBasis::Monomials(order), law: Law::Continuum };
     let steel = Material {
         youngs_modulus: 2.1e11,
         poisson_ratio: 0.3,

@@ -29,7 +29,7 @@ fn model(elements: usize) -> Model {
 #[divan::bench(args = [1, 2, 3, 4, 5])]
 fn element_matrices(bencher: Bencher, order: usize) {
     let model = model(4);
-    let kind = ElementKind { axial_degree: 3, section_order: order, law: Law::Continuum };
+    let kind = ElementKind { axial_degree: 3, basis: SectionBasis::Monomials(order), law: Law::Continuum };
     bencher.bench(|| {
         ElementMatrices::new(kind, &model.sections[0], &model.materials[0], black_box(0.375), 0.05)
     });

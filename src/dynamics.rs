@@ -20,7 +20,6 @@ use crate::linalg::sparse::{Sparse, combine};
 use crate::loads::{dead_loads, weight};
 use crate::model::{Frame, Model, SupportKind};
 use crate::support::{displacement_weights, drives};
-use crate::vectors::exponents;
 use faer::Mat;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -368,7 +367,10 @@ impl<'a> Dynamics<'a> {
                 continue;
             }
             let place = &self.nodes[node];
-            let mut f: [f64; 3] = std::array::from_fn(|c| self.memory.residual[place.start + c]);
+            let mut f = [0.0; 3];
+            for first in self.assembly.numbering.fields(node) {
+                f.iter_mut().zip(&self.memory.residual[first..]).for_each(|(f, r)| *f += r);
+            }
             if self.frame == Frame::Rotating || place.turned {
                 turn_pair(&mut f, sin, cos);
             }
@@ -559,10 +561,10 @@ fn reflections(assembly: &Assembly<'_>) -> Vec<Vec<f64>> {
         .map(|normal| {
             let mut signs = vec![1.0; numbering.len()];
             for (node, at) in model.nodes.iter().enumerate() {
-                for (k, (a, b)) in exponents(5).into_iter().take(at.n_vectors).enumerate() {
+                for (k, odd) in at.odd().into_iter().enumerate() {
                     for c in 0..3 {
-                        let odd = (if normal == 2 { b } else { a }) + usize::from(c == normal);
-                        signs[numbering.index(node, k, c)] = if odd % 2 == 1 { -1.0 } else { 1.0 };
+                        let odd = odd[normal - 1] != (c == normal);
+                        signs[numbering.index(node, k, c)] = if odd { -1.0 } else { 1.0 };
                     }
                 }
             }

@@ -110,8 +110,10 @@ pub fn check(model: &Model) -> Result<Outcome<Check>> {
         Some(settings) => model_summary.modelled.push(format!("campbell: {} speeds", settings.speeds.len())),
         None => model_summary.left_out.push("spin: no `campbell` block".to_owned()),
     }
-    let hollow =
-        model.elements.iter().any(|e| model.sections[e.section].is_hollow() && e.kind.section_order < 5);
+    let hollow = model
+        .elements
+        .iter()
+        .any(|e| model.sections[e.section].is_hollow() && e.kind.n_vectors() < 21 && !e.kind.basis.is_ring());
     if hollow {
         diagnostics.push(Diagnostic::warning(
             "hollow-section",

@@ -43,11 +43,7 @@ fn summary(model: &Model, degrees_of_freedom: usize, mass_kg: f64) -> ModelSumma
     let mut left_out = Vec::new();
     let mut members: Vec<String> = Vec::new();
     for element in &model.elements {
-        let name = match element.kind.law {
-            Law::Continuum => format!("34X{}", element.kind.section_order),
-            Law::Split => "3333c".to_owned(),
-            Law::Structural => "3333s".to_owned(),
-        };
+        let name = element.kind.name();
         if !members.contains(&name) {
             members.push(name);
         }

@@ -3,10 +3,10 @@
 use crate::assembly::Assembly;
 use crate::element::basis::{derivative, evaluate, lagrange};
 use crate::element::nonlinear::stress_at;
-use crate::model::{Element, Model};
+use crate::model::{Element, Field, Model};
 use crate::results::{PointState, ProbeState, Profile, Stress};
 use crate::section::{Section, Shape};
-use crate::vectors::exponents;
+use crate::support::functions;
 use nalgebra::{Matrix3, Vector3};
 
 /// Points of a profile.
@@ -28,24 +28,18 @@ fn position(
     e: &Element,
     [x, y, z]: [f64; 3],
 ) -> (Vector3<f64>, Matrix3<f64>) {
-    let r = assembly.model.reference_length;
     let xi = (2.0 * (x - e.x) / e.length - 1.0).clamp(-1.0, 1.0);
-    let (eta, zeta) = (y / r, z / r);
-    let power = |base: f64, n: usize| base.powi(n as i32) / (1..=n).map(|k| k as f64).product::<f64>();
-    let lower = |base: f64, n: usize| if n > 0 { power(base, n - 1) / r } else { 0.0 };
+    let field = Field { basis: e.kind.basis, section: e.section };
+    let functions = functions(assembly.model, field).at(y, z);
     let (mut place, mut gradient) = (Vector3::zeros(), Matrix3::zeros());
     for (i, l) in lagrange(e.kind.axial_degree).iter().enumerate() {
         let (value, slope) = (evaluate(l, xi), evaluate(&derivative(l), xi) * 2.0 / e.length);
-        for (k, (a, b)) in exponents(e.kind.section_order).into_iter().enumerate() {
-            let at = assembly.numbering.index(e.first_node + i, k, 0);
+        let first = assembly.numbering.of_element(e, i);
+        for (k, [f, by_y, by_z]) in functions.iter().enumerate() {
+            let at = first + 3 * k;
             let vector = Vector3::new(q[at], q[at + 1], q[at + 2]);
-            place += vector * (value * power(eta, a) * power(zeta, b));
-            let row = [
-                slope * power(eta, a) * power(zeta, b),
-                value * lower(eta, a) * power(zeta, b),
-                value * power(eta, a) * lower(zeta, b),
-            ];
-            for (c, weight) in row.into_iter().enumerate() {
+            place += vector * (value * f);
+            for (c, weight) in [slope * f, value * by_y, value * by_z].into_iter().enumerate() {
                 let column = gradient.column(c) + vector * weight;
                 gradient.set_column(c, &column);
             }

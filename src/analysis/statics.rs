@@ -160,9 +160,11 @@ fn reactions(balance: &Balance<'_>, state: &Equilibrium) -> Vec<Reaction> {
     let mut scaled = balance.reactions_at(&state.z, state.load_factor);
     let mut list: Vec<Reaction> = Vec::new();
     for support in &model.supports {
-        let at = balance.assembly.numbering.index(support.node, 0, 0);
         // two supports at one node share its reaction: it is listed once
-        let force_n = std::array::from_fn(|c| std::mem::take(&mut scaled[at + c]));
+        let mut force_n = [0.0; 3];
+        for at in balance.assembly.numbering.fields(support.node) {
+            force_n.iter_mut().zip(&mut scaled[at..]).for_each(|(f, part)| *f += std::mem::take(part));
+        }
         list.push(Reaction { support: support.path.clone(), at_m: model.nodes[support.node].x, force_n });
     }
     list

@@ -161,7 +161,7 @@ impl NonlinearElement {
         reference_length: f64,
         quadrature: Quadrature,
     ) -> Self {
-        let (order, r) = (kind.section_order, reference_length);
+        let (order, r) = (kind.polynomial_order(), reference_length);
         let list = exponents(2 * order);
         let index_of = |e: (usize, usize)| list.iter().position(|m| *m == e);
         let count = |degree: usize| (degree + 1) * (degree + 2) / 2;
