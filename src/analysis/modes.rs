@@ -2,6 +2,7 @@
 
 use super::character::Character;
 use super::spectrum::Spectrum;
+use super::wall::wall_remarks;
 use super::{Outcome, ignored_input, summary};
 use crate::assembly::Assembly;
 use crate::element::basis::{evaluate, lagrange};
@@ -52,6 +53,7 @@ pub fn modes(model: &Model) -> Result<Outcome<Modes>> {
         });
     }
     let mut diagnostics = ignored_input(model);
+    wall_remarks(model, &mut diagnostics);
     if !spectrum.complete {
         diagnostics.push(Diagnostic::error(
             "sturm-count",

@@ -87,6 +87,15 @@ pub fn displacement(assembly: &Assembly<'_>, q: &[f64], point: [f64; 3]) -> [f64
     (place - Vector3::from(point)).into()
 }
 
+/// Displacement of the axis, or of the centre of a ring section, whose axis is empty.
+pub fn axis_displacement(assembly: &Assembly<'_>, q: &[f64], x: f64) -> [f64; 3] {
+    let e = element_at(assembly.model, x);
+    if e.kind.basis.is_ring() {
+        return section_centre(assembly, q, x, &assembly.model.sections[e.section]);
+    }
+    displacement(assembly, q, [x, 0.0, 0.0])
+}
+
 /// The probes of the model.
 pub fn probe_states(assembly: &Assembly<'_>, q: &[f64]) -> Vec<ProbeState> {
     let state = |x: f64, [y, z]: [f64; 2]| point_state(assembly, q, [x, y, z]);

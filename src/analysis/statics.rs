@@ -1,7 +1,8 @@
 //! `rotor static`: equilibrium under dead loads and gravity, with finite displacements.
 
 use super::equilibrium::{Balance, Equilibrium, NewtonSettings, dot};
-use super::probes::{displacement, largest_strain, probe_states, profile};
+use super::probes::{axis_displacement, largest_strain, probe_states, profile};
+use super::wall::wall_remarks;
 use super::{Outcome, nonlinear_summary};
 use crate::assembly::Assembly;
 use crate::error::{Error, Result};
@@ -33,6 +34,7 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
     let state = balance.solve(settings, None)?;
     let q = balance.coordinates(&state.z);
     let mut diagnostics = Vec::new();
+    wall_remarks(model, &mut diagnostics);
     if !model.has_gravity() && !model.has_loads() {
         diagnostics
             .push(Diagnostic::warning("no-loads", "the case has no loads and no gravity: nothing moves"));
@@ -61,7 +63,7 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
     let strain_energy_j = balance.forces.internal_force(&q, None, &mut force, &mut Workspace::default());
     let axis = (0..AXIS_POINTS)
         .map(|k| model.length * k as f64 / (AXIS_POINTS - 1) as f64)
-        .map(|x| displacement(&assembly, &q, [x, 0.0, 0.0]))
+        .map(|x| axis_displacement(&assembly, &q, x))
         .collect();
     let mut summary = nonlinear_summary(model, assembly.size());
     if model.has_gravity() {
