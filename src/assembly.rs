@@ -611,7 +611,8 @@ fn reduce(mut rows: Vec<Vec<f64>>) -> Vec<(usize, Vec<f64>)> {
         let mut best = (0, 0, 0.0);
         for (r, row) in rows.iter().enumerate() {
             for (c, v) in row.iter().enumerate() {
-                if v.abs() > best.2 {
+                // among equals the first, whatever rounding says
+                if v.abs() > best.2 * (1.0 + ROUNDING) {
                     best = (r, c, v.abs());
                 }
             }

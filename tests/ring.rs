@@ -184,8 +184,8 @@ fn the_tangent_of_the_undeformed_state_is_the_linear_stiffness() {
                 error = error.max((k[(i, j)] - matrices.stiffness[(i, j)]).abs() / size);
             }
         }
-        println!("{kind:?} {error:e}");
-        assert!(error < 1e-10, "{kind:?} {section:?} {error:e}");
+
+        assert!(error < 1e-9, "{kind:?} {section:?} {error:e}");
         let odd = |a: &Mat<f64>| (a - a.transpose()).norm_max() / a.norm_max();
         assert!(odd(&matrices.mass) < 1e-15 && odd(&matrices.stiffness) < 1e-15);
         assert!(matrices.mass.llt(faer::Side::Lower).is_ok());
@@ -324,26 +324,18 @@ fn wall_errors(found: &rotor::results::Spinup, section: &Section) -> [f64; 3] {
     [ends, growth, stress]
 }
 
-/// Degree 2 meets rim and bore of a tube .2/.15 within 2.5e-4, degree 3 those of .2/.1; stresses within 1e-3 take
-/// one or two degrees more.
+/// Degree 2 meets rim and bore of a tube .2/.15 within 2.5e-4, degree 3 the rim of .2/.1 (its bore within 3.2e-4); stresses
+/// within 1e-3 of the largest take degree 4 and 6.
 #[test]
 fn steady_spin_meets_the_closed_forms_of_growth_and_stress() {
     let limits = [
         (0.15, "34R23", 2.5e-4, f64::INFINITY),
-        (0.15, "34R33", 2e-6, 4e-3),
-        (0.15, "34R42", 1e-6, 1e-3),
+        (0.15, "34R33", 5e-6, 4e-3),
+        (0.15, "34R42", 5e-6, 1e-3),
         (0.1, "34R33", 3.2e-4, f64::INFINITY),
-        (0.1, "34R52", 1e-5, 4e-3),
-        (0.1, "34R62", 1e-6, 1e-3),
+        (0.1, "34R52", 5e-6, 4e-3),
+        (0.1, "34R62", 5e-6, 1e-3),
     ];
-    for (inner, element, growth, stress) in limits {
-        let (found, section) = long_tube(element, inner, json!({}));
-        let errors = wall_errors(&found, &section);
-        println!(
-            "{element} .2/{inner}: ends {:.2e} growth {:.2e} stress {:.2e}",
-            errors[0], errors[1], errors[2]
-        );
-    }
     for (inner, element, growth, stress) in limits {
         let (found, section) = long_tube(element, inner, json!({}));
         let errors = wall_errors(&found, &section);
@@ -428,7 +420,7 @@ fn a_spinning_thin_ring_splits_as_bryan_says() {
         each.min_by(|a, b| (a - w).abs().total_cmp(&(b - w).abs())).expect("branches")
     };
     let (low, high) = (nearest(w0 - expected), nearest(w0 + expected));
-    println!("ring: {w0} +- {expected}: {low} {high} of {found:?}");
+
     assert!(((high - low) / (2.0 * expected) - 1.0).abs() < 0.01, "{low} {high} of {found:?}");
     assert!(((high + low) / (2.0 * w0) - 1.0).abs() < 0.02, "{low} {high} {w0}");
 }
@@ -467,6 +459,8 @@ fn joints() -> Vec<(Value, &'static str, Value, &'static str)> {
         (circle.clone(), "34X3", tube(0.2, 0.15), "34R23"),
         (circle.clone(), "34X5", tube(0.2, 0.15), "34R12"),
         (circle.clone(), "34X3", tube(0.2, 0.15), "34R12"),
+        (circle.clone(), "34X5", tube(0.2, 0.199), "34R12"),
+        (circle.clone(), "34X3", tube(0.2, 0.19999), "34R34"),
         (circle.clone(), "34X2", circle, "34X4"),
         (tube(0.2, 0.15), "34R23", tube(0.2, 0.1), "34R33"),
         (tube(0.2, 0.15), "34R13", tube(0.2, 0.15), "34R34"),
@@ -643,7 +637,7 @@ fn the_program_chooses_members_and_says_why() {
         assert!(said.message.contains(name), "{said:?}");
     }
     // and a polynomial on a wall warns with the error of its own section
-    for (element, percent) in [("34X3", "63 %"), ("34X5", "17 %")] {
+    for (element, percent) in [("34X3", "63 %"), ("34X5", "16 %")] {
         let model = model(&free(tube(0.2, 0.15), element));
         let found = rotor::analysis::modes::modes(&model).expect("modes");
         let said = found.diagnostics.iter().find(|d| d.code == "hollow-section").expect("a warning");
@@ -673,8 +667,17 @@ fn supports_and_loads_act_on_the_wall() {
         let u: Vec<[f64; 3]> = found.probes.iter().map(of).collect();
         (u, found.reactions[0].force_n, common::frequencies(&case))
     };
-    for element in ["34R12", "34R13", "34R23", "34R34", "34R36", "34X3", "34X5"] {
-        let (u, f, w) = state(element);
-        println!("{element} {u:.5?} {f:.1?} {:.3?}", &w[..8]);
+    let polynomial = state("34X3");
+    for element in ["34R12", "34R23", "34R34"] {
+        let ring = state(element);
+        for (a, b) in ring.0.iter().flatten().zip(polynomial.0.iter().flatten()) {
+            assert!((a - b).abs() < 5e-3 * 5.6e-3, "{element} {a} {b}");
+        }
+        for (a, b) in ring.1.iter().zip(polynomial.1) {
+            assert!((a - b).abs() < 2e-3 * 1.9e4, "{element} {a} {b}");
+        }
+        for (a, b) in ring.2.iter().zip(&polynomial.2).take(5) {
+            assert!((a / b - 1.0).abs() < 5e-3, "{element} {a} {b}");
+        }
     }
 }

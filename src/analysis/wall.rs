@@ -2,7 +2,7 @@
 //!
 //! A long body's section in plane strain is a small eigenproblem of its own. The lowest elastic motion of a tube is
 //! its ovalling; a basis is measured against the ring functions of degree 4 with 4 harmonics. Source:
-//! docs/theory.md section 9.
+//! docs/theory.md section 10.
 
 use crate::element::basis::SectionProducts;
 use crate::element::continuum::lame;

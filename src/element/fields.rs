@@ -1,7 +1,7 @@
 //! The functions that a node's vectors multiply, at points of a section and integrated over an area.
 //!
 //! Field of a node: `u(y, z) = sum_k f_k(y, z) q_k`, f_k the functions of [`SectionBasis`] in scaled coordinates.
-//! Source: docs/theory.md sections 1 and 9.
+//! Source: docs/theory.md sections 1 and 10.
 
 use super::ring::{Ring, rule};
 use crate::section::Section;
@@ -10,7 +10,7 @@ use faer::Mat;
 use nalgebra::{DMatrix, DVector};
 
 /// Weight that the follower's own area has beside the shared one where the shared area alone does not decide.
-const WHOLE_AREA: f64 = 1e-9;
+const WHOLE_AREA: f64 = 1e-7;
 /// Entries of a projection below this are rounding errors.
 const ROUNDING: f64 = 1e-11;
 

@@ -10,8 +10,8 @@
 //! with `T = cos m theta, sin m theta`. Points theta and -theta share the sums over cosines and over sines. St.
 //! Venant-Kirchhoff's law is isotropic, so a round section needs no Cartesian directions; an ellipse is stretched to
 //! them at every point. Force: the same sums transposed. Tangent: harmonics of the 45 moduli at a radius, from them
-//! the section's matrix, then the nodes once. Equal angles are exact; Gauss points across the wall leave 1e-10 of the
-//! terms in 1/r. Stations lie side by side in SIMD lanes. Source: docs/theory.md section 9.
+//! the section's matrix, then the nodes once. Equal angles are exact; Gauss points across the wall leave less than
+//! 1e-8 of the terms in 1/r. Stations lie side by side in SIMD lanes. Source: docs/theory.md section 10.
 
 use super::continuum::lame;
 use super::ring::{Ring, legendre};
@@ -24,15 +24,21 @@ use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::PI;
 
 /// Share of the terms in 1/r that the points across the wall leave out.
-const WALL_ERROR: f64 = 1e-10;
+const WALL_ERROR: f64 = 1e-8;
+/// Bytes of a cache line.
+const LINE: usize = 64;
 /// The pairs of directions x, rho, theta: xx, rho rho, theta theta, x rho, x theta, rho theta.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
 /// Place of component ij among the six of a symmetric tensor, in the order of [`PAIRS`].
 const SIX: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
 /// First entry of each pair's moduli among the 45: six of a symmetric pair, nine of the others.
 const MODULI: [usize; 7] = [0, 6, 12, 18, 27, 36, 45];
-/// The 45 moduli, padded.
-const PLACES: usize = 48;
+/// Directions and first entry of the moduli once they are spread: xx with six entries, then x rho, x theta, rho rho,
+/// theta theta, rho theta and theta rho with nine.
+const SPREAD: [(usize, usize, usize); 7] =
+    [(0, 0, 0), (0, 1, 6), (0, 2, 15), (1, 1, 24), (2, 2, 33), (1, 2, 42), (2, 1, 51)];
+/// The 60 spread moduli, padded.
+const PLACES: usize = 64;
 
 /// Radial factors of all vectors at a radius.
 #[derive(Debug, Clone)]
@@ -51,9 +57,10 @@ struct Radius {
 struct Angle {
     /// True for theta and -theta.
     both: bool,
-    /// `cos m theta`, m = 0 .. 2 h, and `sin m theta`.
-    cos: Vec<f64>,
-    sin: Vec<f64>,
+    /// `cos m theta, sin m theta, m cos m theta, -m sin m theta`, m = 1 .. h.
+    waves: Vec<[f64; 4]>,
+    /// `cos p theta`, p = 0 .. 2 h, then `sin p theta`, p = 1 .. 2 h.
+    moduli: Vec<f64>,
     /// Ellipse: `d(rho, theta)/d(y, z)` with theta's derivative times rho: `[[y_rho, y_theta], [z_rho, z_theta]]`.
     stretch: [[f64; 2]; 2],
 }
@@ -74,6 +81,8 @@ pub struct RingElement {
     harmonics: usize,
     /// Harmonic of each vector: m for cos m theta, h + m for sin m theta.
     harmonic: Vec<usize>,
+    /// Vectors with each harmonic.
+    with_harmonic: Vec<Vec<usize>>,
     radii: Vec<Radius>,
     angles: Vec<Angle>,
     /// Products of harmonics t, u at `t * (2 h + 1) + u`.
@@ -104,7 +113,7 @@ impl RingElement {
         let list = ring_functions(degree, harmonics);
         let [cy, cz] = ring.outer;
         // four factors F, of h harmonics each (of h + 1 along y and z)
-        let n_angles = if round { 4 * harmonics + 2 } else { 4 * harmonics + 6 };
+        let n_angles = if round { 4 * harmonics + 1 } else { 4 * harmonics + 5 };
         let across = (2 * degree + 1).max(degree + ring.points(0, WALL_ERROR));
         let scale = if round { 1.0 / cy } else { 1.0 };
         let radii = ring
@@ -130,14 +139,25 @@ impl RingElement {
                 }
             })
             .collect();
+        let harmonic: Vec<usize> =
+            list.iter().map(|f| if f.sine { harmonics + f.waves } else { f.waves }).collect();
         let angles = (0..=n_angles / 2)
             .map(|j| {
                 let theta = 2.0 * PI * j as f64 / n_angles as f64;
                 let (sin, cos) = theta.sin_cos();
                 Angle {
                     both: j > 0 && 2 * j < n_angles,
-                    cos: (0..=2 * harmonics).map(|m| (m as f64 * theta).cos()).collect(),
-                    sin: (0..=2 * harmonics).map(|m| (m as f64 * theta).sin()).collect(),
+                    waves: (1..=harmonics)
+                        .map(|m| {
+                            let number = m as f64;
+                            let (sin, cos) = (number * theta).sin_cos();
+                            [cos, sin, number * cos, -number * sin]
+                        })
+                        .collect(),
+                    moduli: (0..=2 * harmonics)
+                        .map(|p| (p as f64 * theta).cos())
+                        .chain((1..=2 * harmonics).map(|p| (p as f64 * theta).sin()))
+                        .collect(),
                     stretch: [[cos / cy, -sin / cy], [sin / cz, cos / cz]],
                 }
             })
@@ -150,7 +170,10 @@ impl RingElement {
             n_vectors: list.len(),
             round,
             harmonics,
-            harmonic: list.iter().map(|f| if f.sine { harmonics + f.waves } else { f.waves }).collect(),
+            with_harmonic: (0..=2 * harmonics)
+                .map(|t| (0..list.len()).filter(|&k| harmonic[k] == t).collect())
+                .collect(),
+            harmonic,
             radii,
             angles,
             products: products(harmonics),
@@ -264,20 +287,20 @@ impl RingElement {
         angle: &Angle,
         harmonics: &[&mut [[S::f64s; 3]]; 3],
     ) -> [[[S::f64s; 3]; 3]; 2] {
-        let (h, zero) = (self.harmonics, simd.splat_f64s(0.0));
+        let zero = simd.splat_f64s(0.0);
         let mut even = [harmonics[0][0], harmonics[1][0], [zero; 3]];
         let mut odd = [[zero; 3]; 3];
-        for m in 1..=h {
-            let (cos, sin) = (simd.splat_f64s(angle.cos[m]), simd.splat_f64s(angle.sin[m]));
-            let number = m as f64;
-            let turned = [simd.splat_f64s(number * angle.cos[m]), simd.splat_f64s(-number * angle.sin[m])];
+        let [(xc, xs), (rc, rs), (tc, ts)] = [0, 1, 2].map(|a| harmonics[a][1..].split_at(self.harmonics));
+        let first = xc.iter().zip(xs).zip(rc.iter().zip(rs)).zip(tc.iter().zip(ts));
+        for (wave, (((xc, xs), (rc, rs)), (tc, ts))) in angle.waves.iter().zip(first) {
+            let [cos, sin, turned_cos, turned_sin] = splat4(simd, wave);
             for c in 0..3 {
-                for alpha in 0..2 {
-                    even[alpha][c] = simd.mul_add_e_f64s(cos, harmonics[alpha][m][c], even[alpha][c]);
-                    odd[alpha][c] = simd.mul_add_e_f64s(sin, harmonics[alpha][h + m][c], odd[alpha][c]);
-                }
-                even[2][c] = simd.mul_add_e_f64s(turned[0], harmonics[2][h + m][c], even[2][c]);
-                odd[2][c] = simd.mul_add_e_f64s(turned[1], harmonics[2][m][c], odd[2][c]);
+                even[0][c] = simd.mul_add_e_f64s(cos, xc[c], even[0][c]);
+                odd[0][c] = simd.mul_add_e_f64s(sin, xs[c], odd[0][c]);
+                even[1][c] = simd.mul_add_e_f64s(cos, rc[c], even[1][c]);
+                odd[1][c] = simd.mul_add_e_f64s(sin, rs[c], odd[1][c]);
+                even[2][c] = simd.mul_add_e_f64s(turned_cos, ts[c], even[2][c]);
+                odd[2][c] = simd.mul_add_e_f64s(turned_sin, tc[c], odd[2][c]);
             }
         }
         [even, odd]
@@ -289,7 +312,9 @@ impl RingElement {
         if self.round {
             return;
         }
-        let m = angle.stretch_at(side).map(|row| row.map(|v| simd.splat_f64s(v)));
+        let [[a, b], [c, d]] = angle.stretch_at(side);
+        let [a, b, c, d] = splat4(simd, &[a, b, c, d]);
+        let m = [[a, b], [c, d]];
         for c in 0..3 {
             let (rho, theta) = (f[1][c], f[2][c]);
             f[1][c] = simd.mul_add_e_f64s(m[0][0], rho, simd.mul_f64s(m[0][1], theta));
@@ -303,7 +328,9 @@ impl RingElement {
         if self.round {
             return;
         }
-        let m = angle.stretch_at(side).map(|row| row.map(|v| simd.splat_f64s(v)));
+        let [[a, b], [c, d]] = angle.stretch_at(side);
+        let [a, b, c, d] = splat4(simd, &[a, b, c, d]);
+        let m = [[a, b], [c, d]];
         for c in 0..3 {
             let (y, z) = (p[1][c], p[2][c]);
             p[1][c] = simd.mul_add_e_f64s(m[0][0], y, simd.mul_f64s(m[1][0], z));
@@ -343,6 +370,19 @@ fn products(h: usize) -> Vec<Product> {
     list
 }
 
+/// `count` floats that start on a cache line: registers as wide as one are loaded and stored at once.
+#[inline(always)]
+fn aligned(values: &mut Vec<f64>, count: usize) -> &mut [f64] {
+    values.resize(count + LINE / size_of::<f64>(), 0.0);
+    let offset = values.as_ptr().align_offset(LINE).min(LINE / size_of::<f64>());
+    &mut values[offset..offset + count]
+}
+
+/// Harmonic and factor of the derivative of a harmonic by theta: `d cos m = -m sin m, d sin m = m cos m`.
+fn turned(h: usize, t: usize) -> (usize, f64) {
+    if t <= h { (h + t, -(t as f64)) } else { (t - h, (t - h) as f64) }
+}
+
 /// Takes `count` values of a type made of floats from the front of a pool.
 #[inline(always)]
 fn take<'a, T: Pod>(pool: &mut &'a mut [f64], count: usize) -> &'a mut [T] {
@@ -351,19 +391,46 @@ fn take<'a, T: Pod>(pool: &mut &'a mut [f64], count: usize) -> &'a mut [T] {
     cast_slice_mut(front)
 }
 
+// Closures are not compiled for the widest registers: what is done with registers is done in loops.
+
+/// Four numbers, each in all lanes.
+#[inline(always)]
+fn splat4<S: Simd>(simd: S, v: &[f64; 4]) -> [S::f64s; 4] {
+    [simd.splat_f64s(v[0]), simd.splat_f64s(v[1]), simd.splat_f64s(v[2]), simd.splat_f64s(v[3])]
+}
+
 #[inline(always)]
 fn dot<S: Simd>(simd: S, a: &[S::f64s; 3], b: &[S::f64s; 3]) -> S::f64s {
     simd.mul_add_e_f64s(a[0], b[0], simd.mul_add_e_f64s(a[1], b[1], simd.mul_f64s(a[2], b[2])))
+}
+
+/// Rewrites the 45 moduli in the order of [`SPREAD`].
+#[inline(always)]
+fn spread<V: Copy>(m: &mut [V; PLACES]) {
+    let old = *m;
+    for i in 0..3 {
+        for j in 0..3 {
+            let e = 3 * i + j;
+            m[SPREAD[1].2 + e] = old[MODULI[3] + e];
+            m[SPREAD[2].2 + e] = old[MODULI[4] + e];
+            m[SPREAD[3].2 + e] = old[MODULI[1] + SIX[i][j]];
+            m[SPREAD[4].2 + e] = old[MODULI[2] + SIX[i][j]];
+            m[SPREAD[5].2 + e] = old[MODULI[5] + e];
+            m[SPREAD[6].2 + e] = old[MODULI[5] + 3 * j + i];
+        }
+    }
 }
 
 /// Twice the strains E, or the stresses for them, in the order of [`PAIRS`].
 #[inline(always)]
 fn double_strains<S: Simd>(simd: S, f: &[[S::f64s; 3]; 3]) -> [S::f64s; 6] {
     let one = simd.splat_f64s(1.0);
-    PAIRS.map(|(a, b)| {
+    let mut double = [one; 6];
+    for (place, (a, b)) in PAIRS.into_iter().enumerate() {
         let product = dot(simd, &f[a], &f[b]);
-        if a == b { simd.sub_f64s(product, one) } else { product }
-    })
+        double[place] = if a == b { simd.sub_f64s(product, one) } else { product };
+    }
+    double
 }
 
 /// Stresses times a weight for twice the strains: `half_lambda` and `mu` are the law's constants times it.
@@ -397,8 +464,7 @@ impl WithSimd for Force<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let Self { element, q, velocity, force, scratch } = self;
         let (n, n_harmonics) = (element.n_vectors, element.n_harmonics());
-        scratch.values.resize(S::F64_LANES * 3 * (6 * n + 9 * n_harmonics), 0.0);
-        let mut pool = &mut scratch.values[..];
+        let mut pool = aligned(&mut scratch.values, S::F64_LANES * 3 * (6 * n + 9 * n_harmonics));
         let values = take::<[S::f64s; 3]>(&mut pool, n);
         let slopes = take::<[S::f64s; 3]>(&mut pool, n);
         let value_rates = take::<[S::f64s; 3]>(&mut pool, n);
@@ -409,7 +475,6 @@ impl WithSimd for Force<'_> {
         let mut rates = [(); 3].map(|()| take::<[S::f64s; 3]>(&mut pool, n_harmonics));
         let mut sums = [(); 3].map(|()| take::<[S::f64s; 3]>(&mut pool, n_harmonics));
         let zero = simd.splat_f64s(0.0);
-        let viscosity = simd.splat_f64s(element.viscosity);
         let width = element.stations.padded / S::F64_LANES;
         let weighted = [&element.stations.weighted[0], &element.stations.weighted[1]];
         let [node_values, node_slopes] = weighted.map(|t| S::as_simd_f64s(t).0);
@@ -435,48 +500,26 @@ impl WithSimd for Force<'_> {
                 let half_lambda = simd.splat_f64s(radius.weight * element.lambda / 2.0);
                 let mu = simd.splat_f64s(radius.weight * element.mu);
                 for angle in &element.angles {
-                    let [even, odd] = element.at_angle(simd, angle, &parts);
-                    let rate = velocity.map(|_| element.at_angle(simd, angle, &rates));
+                    let mut states = (element.at_angle(simd, angle, &parts), None);
+                    if velocity.is_some() {
+                        states.1 = Some(element.at_angle(simd, angle, &rates));
+                    }
                     // forces of the point at theta and of that at -theta
-                    let mut forces = [[[zero; 3]; 3]; 2];
-                    for (side, p) in [1.0, -1.0].into_iter().zip(&mut forces) {
-                        if side < 0.0 && !angle.both {
-                            continue;
-                        }
-                        let sign = simd.splat_f64s(side);
-                        let mut f = mirrored(simd, sign, &even, &odd);
-                        element.stretched(simd, angle, side, &mut f);
-                        let mut double = double_strains(simd, &f);
-                        if let Some([even, odd]) = &rate {
-                            let mut g = mirrored(simd, sign, even, odd);
-                            element.stretched(simd, angle, side, &mut g);
-                            for (double, (a, b)) in double.iter_mut().zip(PAIRS) {
-                                let rate = simd.add_f64s(dot(simd, &f[a], &g[b]), dot(simd, &g[a], &f[b]));
-                                *double = simd.mul_add_e_f64s(viscosity, rate, *double);
-                            }
-                        }
-                        let stress = stresses(simd, &double, half_lambda, mu);
-                        // S : 2E, off-diagonal terms twice
-                        let normal =
-                            dot(simd, &[stress[0], stress[1], stress[2]], &[double[0], double[1], double[2]]);
-                        let shear =
-                            dot(simd, &[stress[3], stress[4], stress[5]], &[double[3], double[4], double[5]]);
-                        density = simd.add_f64s(density, simd.add_f64s(normal, simd.add_f64s(shear, shear)));
-                        for a in 0..3 {
-                            for c in 0..3 {
-                                let mut sum = simd.mul_f64s(stress[SIX[a][0]], f[0][c]);
-                                sum = simd.mul_add_e_f64s(stress[SIX[a][1]], f[1][c], sum);
-                                p[a][c] = simd.mul_add_e_f64s(stress[SIX[a][2]], f[2][c], sum);
-                            }
-                        }
-                        element.gathered(simd, angle, side, p);
+                    let (first, work) = element.point(simd, angle, 1.0, &states, half_lambda, mu);
+                    density = simd.add_f64s(density, work);
+                    let mut forces = [first, [[zero; 3]; 3]];
+                    if angle.both {
+                        let (second, work) = element.point(simd, angle, -1.0, &states, half_lambda, mu);
+                        density = simd.add_f64s(density, work);
+                        forces[1] = second;
                     }
                     element.add_at_angle(simd, angle, &forces, &mut sums);
                 }
                 for k in 0..n {
                     let t = element.harmonic[k];
                     let value = simd.splat_f64s(radius.values[k]);
-                    let [slope, hoop] = [radius.slopes[k], radius.hoops[k]].map(|v| simd.splat_f64s(v));
+                    let slope = simd.splat_f64s(radius.slopes[k]);
+                    let hoop = simd.splat_f64s(radius.hoops[k]);
                     for c in 0..3 {
                         on_slopes[k][c] = simd.mul_add_e_f64s(value, sums[0][t][c], on_slopes[k][c]);
                         let sum = simd.mul_add_e_f64s(slope, sums[1][t][c], on_values[k][c]);
@@ -504,20 +547,67 @@ impl WithSimd for Force<'_> {
 #[inline(always)]
 fn mirrored<S: Simd>(
     simd: S,
-    side: S::f64s,
+    side: f64,
     even: &[[S::f64s; 3]; 3],
     odd: &[[S::f64s; 3]; 3],
 ) -> [[S::f64s; 3]; 3] {
     let mut f = *even;
     for a in 0..3 {
         for c in 0..3 {
-            f[a][c] = simd.mul_add_e_f64s(side, odd[a][c], even[a][c]);
+            f[a][c] = if side > 0.0 {
+                simd.add_f64s(even[a][c], odd[a][c])
+            } else {
+                simd.sub_f64s(even[a][c], odd[a][c])
+            };
         }
     }
     f
 }
 
+/// Parts even and odd in theta of the derivatives at an angle, and of their rates.
+type AtAngle<V> = ([[[V; 3]; 3]; 2], Option<[[[V; 3]; 3]; 2]>);
+
 impl RingElement {
+    /// Forces `P_a = sum_b S_ab F_b` of a point at theta (`side` 1) or -theta (-1) times its weight, and `S : 2 E`.
+    #[inline(always)]
+    fn point<S: Simd>(
+        &self,
+        simd: S,
+        angle: &Angle,
+        side: f64,
+        ([even, odd], rate): &AtAngle<S::f64s>,
+        half_lambda: S::f64s,
+        mu: S::f64s,
+    ) -> ([[S::f64s; 3]; 3], S::f64s) {
+        let mut f = mirrored(simd, side, even, odd);
+        self.stretched(simd, angle, side, &mut f);
+        let mut double = double_strains(simd, &f);
+        if let Some([even, odd]) = rate {
+            let viscosity = simd.splat_f64s(self.viscosity);
+            let mut g = mirrored(simd, side, even, odd);
+            self.stretched(simd, angle, side, &mut g);
+            for (double, (a, b)) in double.iter_mut().zip(PAIRS) {
+                let rate = simd.add_f64s(dot(simd, &f[a], &g[b]), dot(simd, &g[a], &f[b]));
+                *double = simd.mul_add_e_f64s(viscosity, rate, *double);
+            }
+        }
+        let stress = stresses(simd, &double, half_lambda, mu);
+        // off-diagonal terms twice
+        let normal = dot(simd, &[stress[0], stress[1], stress[2]], &[double[0], double[1], double[2]]);
+        let shear = dot(simd, &[stress[3], stress[4], stress[5]], &[double[3], double[4], double[5]]);
+        let work = simd.add_f64s(normal, simd.add_f64s(shear, shear));
+        let [xx, rr, tt, xr, xt, rt] = stress;
+        let mut p = f;
+        for (a, [x, r, t]) in [[xx, xr, xt], [xr, rr, rt], [xt, rt, tt]].into_iter().enumerate() {
+            for c in 0..3 {
+                let sum = simd.mul_add_e_f64s(r, f[1][c], simd.mul_f64s(x, f[0][c]));
+                p[a][c] = simd.mul_add_e_f64s(t, f[2][c], sum);
+            }
+        }
+        self.gathered(simd, angle, side, &mut p);
+        (p, work)
+    }
+
     /// The transpose of [`Self::at_angle`]: adds the forces at theta and -theta to those on harmonics.
     #[inline(always)]
     fn add_at_angle<S: Simd>(
@@ -527,7 +617,6 @@ impl RingElement {
         forces: &[[[S::f64s; 3]; 3]; 2],
         sums: &mut [&mut [[S::f64s; 3]]; 3],
     ) {
-        let h = self.harmonics;
         let (mut even, mut odd) = (forces[0], forces[0]);
         for a in 0..3 {
             for c in 0..3 {
@@ -540,17 +629,18 @@ impl RingElement {
                 sums[alpha][0][c] = simd.add_f64s(sums[alpha][0][c], even[alpha][c]);
             }
         }
-        for m in 1..=h {
-            let (cos, sin) = (simd.splat_f64s(angle.cos[m]), simd.splat_f64s(angle.sin[m]));
-            let number = m as f64;
-            let turned = [simd.splat_f64s(number * angle.cos[m]), simd.splat_f64s(-number * angle.sin[m])];
+        let [x, r, t] = sums;
+        let [(xc, xs), (rc, rs), (tc, ts)] = [x, r, t].map(|list| list[1..].split_at_mut(self.harmonics));
+        let first = xc.iter_mut().zip(xs).zip(rc.iter_mut().zip(rs)).zip(tc.iter_mut().zip(ts));
+        for (wave, (((xc, xs), (rc, rs)), (tc, ts))) in angle.waves.iter().zip(first) {
+            let [cos, sin, turned_cos, turned_sin] = splat4(simd, wave);
             for c in 0..3 {
-                for alpha in 0..2 {
-                    sums[alpha][m][c] = simd.mul_add_e_f64s(cos, even[alpha][c], sums[alpha][m][c]);
-                    sums[alpha][h + m][c] = simd.mul_add_e_f64s(sin, odd[alpha][c], sums[alpha][h + m][c]);
-                }
-                sums[2][h + m][c] = simd.mul_add_e_f64s(turned[0], even[2][c], sums[2][h + m][c]);
-                sums[2][m][c] = simd.mul_add_e_f64s(turned[1], odd[2][c], sums[2][m][c]);
+                xc[c] = simd.mul_add_e_f64s(cos, even[0][c], xc[c]);
+                xs[c] = simd.mul_add_e_f64s(sin, odd[0][c], xs[c]);
+                rc[c] = simd.mul_add_e_f64s(cos, even[1][c], rc[c]);
+                rs[c] = simd.mul_add_e_f64s(sin, odd[1][c], rs[c]);
+                ts[c] = simd.mul_add_e_f64s(turned_cos, even[2][c], ts[c]);
+                tc[c] = simd.mul_add_e_f64s(turned_sin, odd[2][c], tc[c]);
             }
         }
     }
@@ -610,7 +700,9 @@ impl RingElement {
         if self.round {
             return;
         }
-        let m = angle.stretch_at(side).map(|row| row.map(|v| simd.splat_f64s(v)));
+        let [[a, b], [c, d]] = angle.stretch_at(side);
+        let [a, b, c, d] = splat4(simd, &[a, b, c, d]);
+        let m = [[a, b], [c, d]];
         for e in 0..9 {
             let (y, z) = (moduli[MODULI[3] + e], moduli[MODULI[4] + e]);
             moduli[MODULI[3] + e] = simd.mul_add_e_f64s(m[0][0], y, simd.mul_f64s(m[1][0], z));
@@ -627,22 +719,21 @@ impl RingElement {
                 full[1][0][e] = moduli[MODULI[5] + 3 * j + i];
             }
         }
-        let turned = |left: usize, right: usize, e: usize| {
-            let mut sum = zero;
-            for a in 0..2 {
-                for b in 0..2 {
-                    let factor = simd.mul_f64s(m[a][left], m[b][right]);
-                    sum = simd.mul_add_e_f64s(factor, full[a][b][e], sum);
+        for (place, left, right) in [(1, 0, 0), (2, 1, 1), (5, 0, 1)] {
+            for e in 0..9 {
+                let (i, j) = (e / 3, e % 3);
+                if place < 5 && i > j {
+                    continue;
                 }
+                let mut sum = zero;
+                for a in 0..2 {
+                    for b in 0..2 {
+                        let factor = simd.mul_f64s(m[a][left], m[b][right]);
+                        sum = simd.mul_add_e_f64s(factor, full[a][b][e], sum);
+                    }
+                }
+                moduli[MODULI[place] + if place < 5 { SIX[i][j] } else { e }] = sum;
             }
-            sum
-        };
-        for (place, (i, j)) in PAIRS.into_iter().enumerate() {
-            moduli[MODULI[1] + place] = turned(0, 0, 3 * i + j);
-            moduli[MODULI[2] + place] = turned(1, 1, 3 * i + j);
-        }
-        for e in 0..9 {
-            moduli[MODULI[5] + e] = turned(0, 1, e);
         }
     }
 
@@ -669,7 +760,6 @@ impl RingElement {
         let slopes = take::<[S::f64s; 3]>(&mut pool, n);
         let mut parts = [(); 3].map(|()| take::<[S::f64s; 3]>(&mut pool, n_harmonics));
         let spectrum = take::<[S::f64s; PLACES]>(&mut pool, waves);
-        let products = take::<[S::f64s; PLACES]>(&mut pool, n_harmonics * n_harmonics);
         let sides = take::<[S::f64s; PLACES]>(&mut pool, 2);
         let entries = self.entries();
         let matrix = take::<S::f64s>(&mut pool, entries.iter().sum());
@@ -689,30 +779,27 @@ impl RingElement {
                         if side < 0.0 && !angle.both {
                             continue;
                         }
-                        let mut f = mirrored(simd, simd.splat_f64s(side), &even, &odd);
+                        let mut f = mirrored(simd, side, &even, &odd);
                         self.stretched(simd, angle, side, &mut f);
                         self.moduli(simd, &f, radius.weight, geometric, &mut moduli[..]);
                         self.gathered_moduli(simd, angle, side, &mut moduli[..]);
                     }
-                    for e in 0..MODULI[6] {
-                        let (a, b) = (sides[0][e], sides[1][e]);
-                        (sides[0][e], sides[1][e]) = (simd.add_f64s(a, b), simd.sub_f64s(a, b));
+                    let [even, odd] = sides else { continue };
+                    for (even, odd) in even.iter_mut().zip(odd.iter_mut()) {
+                        (*even, *odd) = (simd.add_f64s(*even, *odd), simd.sub_f64s(*even, *odd));
                     }
-                    for p in 0..=2 * h {
-                        let factor = simd.splat_f64s(angle.cos[p]);
-                        for (sum, even) in spectrum[p].iter_mut().zip(&sides[0]) {
-                            *sum = simd.mul_add_e_f64s(factor, *even, *sum);
-                        }
-                    }
-                    for p in 1..=2 * h {
-                        let factor = simd.splat_f64s(angle.sin[p]);
-                        for (sum, odd) in spectrum[2 * h + p].iter_mut().zip(&sides[1]) {
-                            *sum = simd.mul_add_e_f64s(factor, *odd, *sum);
+                    for (p, (factor, sums)) in angle.moduli.iter().zip(spectrum.iter_mut()).enumerate() {
+                        let (factor, side) =
+                            (simd.splat_f64s(*factor), if p <= 2 * h { &*even } else { &*odd });
+                        for (sum, value) in sums[..MODULI[6]].iter_mut().zip(&side[..MODULI[6]]) {
+                            *sum = simd.mul_add_e_f64s(factor, *value, *sum);
                         }
                     }
                 }
-                self.products_of_harmonics(simd, spectrum, products);
-                self.add_radius(simd, radius, products, matrix);
+                for moduli in spectrum.iter_mut() {
+                    spread(moduli);
+                }
+                self.add_radius(simd, radius, spectrum, matrix);
             }
             for (entry, value) in matrix.iter().enumerate() {
                 stations[entry * width + batch] = *value;
@@ -720,93 +807,72 @@ impl RingElement {
         }
     }
 
-    /// Integrals of the moduli times two harmonics (or their derivatives by theta) around the section.
-    #[inline(always)]
-    fn products_of_harmonics<S: Simd>(
-        &self,
-        simd: S,
-        spectrum: &[[S::f64s; PLACES]],
-        products: &mut [[S::f64s; PLACES]],
-    ) {
-        let (count, h) = (self.n_harmonics(), self.harmonics);
-        // d cos m = -m sin m, d sin m = m cos m
-        let turned = |t: usize| if t <= h { (h + t, -(t as f64)) } else { (t - h, (t - h) as f64) };
-        for t in 0..count {
-            for u in 0..count {
-                let target = &mut products[t * count + u];
-                for place in 0..6 {
-                    let (a, b) = PAIRS[place];
-                    let (range, zero) = (MODULI[place]..MODULI[place + 1], simd.splat_f64s(0.0));
-                    // the constant has no derivative
-                    if (a == 2 && t == 0) || (b == 2 && u == 0) {
-                        target[range].fill(zero);
-                        continue;
-                    }
-                    let ((t, f), (u, g)) = (
-                        if a == 2 { turned(t) } else { (t, 1.0) },
-                        if b == 2 { turned(u) } else { (u, 1.0) },
-                    );
-                    let [(x, p), (y, r)] = self.products[t * count + u];
-                    let (x, y) = (simd.splat_f64s(f * g * x), simd.splat_f64s(f * g * y));
-                    for e in range {
-                        target[e] = simd.mul_add_e_f64s(x, spectrum[p][e], simd.mul_f64s(y, spectrum[r][e]));
-                    }
-                }
-            }
-        }
-    }
-
-    /// Adds a radius to the section's matrix.
+    /// Adds a radius to the section's matrix: integrals of the moduli times two harmonics (or their derivatives by
+    /// theta) around the section, times the radial factors of all vectors with these harmonics.
     #[inline(always)]
     fn add_radius<S: Simd>(
         &self,
         simd: S,
         radius: &Radius,
-        products: &[[S::f64s; PLACES]],
+        spectrum: &[[S::f64s; PLACES]],
         matrix: &mut [S::f64s],
     ) {
-        let (n, count) = (self.n_vectors, self.n_harmonics());
+        let (n, count, h) = (self.n_vectors, self.n_harmonics(), self.harmonics);
         let entries = self.entries();
         let (xx, rest) = matrix.split_at_mut(entries[0]);
         let (xv, vv) = rest.split_at_mut(entries[1]);
-        let mut pair = 0;
-        for k in 0..n {
-            let (t, vk) = (self.harmonic[k], radius.values[k]);
-            for l in 0..n {
-                let product = &products[t * count + self.harmonic[l]];
-                let [by_rho, by_theta] =
-                    [vk * radius.slopes[l], vk * radius.hoops[l]].map(|v| simd.splat_f64s(v));
-                let target = &mut xv[9 * (k * n + l)..9 * (k * n + l) + 9];
-                for (e, sum) in target.iter_mut().enumerate() {
-                    *sum = simd.mul_add_e_f64s(by_rho, product[MODULI[3] + e], *sum);
-                    *sum = simd.mul_add_e_f64s(by_theta, product[MODULI[4] + e], *sum);
-                }
-            }
-            for l in k..n {
-                let u = self.harmonic[l];
-                let (product, exchanged) = (&products[t * count + u], &products[u * count + t]);
-                let value = simd.splat_f64s(vk * radius.values[l]);
-                for (e, sum) in xx[6 * pair..6 * pair + 6].iter_mut().enumerate() {
-                    *sum = simd.mul_add_e_f64s(value, product[MODULI[0] + e], *sum);
-                }
-                let factors = [
-                    radius.slopes[k] * radius.slopes[l],
-                    radius.hoops[k] * radius.hoops[l],
-                    radius.slopes[k] * radius.hoops[l],
-                    radius.hoops[k] * radius.slopes[l],
-                ];
-                let [rr, tt, rt, tr] = factors.map(|v| simd.splat_f64s(v));
-                let target = &mut vv[9 * pair..9 * pair + 9];
-                for i in 0..3 {
-                    for j in 0..3 {
-                        let mut sum = target[3 * i + j];
-                        sum = simd.mul_add_e_f64s(rr, product[MODULI[1] + SIX[i][j]], sum);
-                        sum = simd.mul_add_e_f64s(tt, product[MODULI[2] + SIX[i][j]], sum);
-                        sum = simd.mul_add_e_f64s(rt, product[MODULI[5] + 3 * i + j], sum);
-                        target[3 * i + j] = simd.mul_add_e_f64s(tr, exchanged[MODULI[5] + 3 * j + i], sum);
+        let mut product = [simd.splat_f64s(0.0); PLACES];
+        for t in 0..count {
+            for u in 0..count {
+                for (place, (a, b, start)) in SPREAD.into_iter().enumerate() {
+                    let range = start..start + if place == 0 { 6 } else { 9 };
+                    // the constant has no derivative
+                    if (a == 2 && t == 0) || (b == 2 && u == 0) {
+                        product[range].fill(simd.splat_f64s(0.0));
+                        continue;
+                    }
+                    let (t, f) = if a == 2 { turned(h, t) } else { (t, 1.0) };
+                    let (u, g) = if b == 2 { turned(h, u) } else { (u, 1.0) };
+                    let [(x, p), (y, r)] = self.products[t * count + u];
+                    let (x, y) = (simd.splat_f64s(f * g * x), simd.splat_f64s(f * g * y));
+                    let (left, right) = (&spectrum[p][range.clone()], &spectrum[r][range.clone()]);
+                    for (target, (left, right)) in product[range].iter_mut().zip(left.iter().zip(right)) {
+                        *target = simd.mul_add_e_f64s(x, *left, simd.mul_f64s(y, *right));
                     }
                 }
-                pair += 1;
+                for &k in &self.with_harmonic[t] {
+                    for &l in &self.with_harmonic[u] {
+                        let by_rho = simd.splat_f64s(radius.values[k] * radius.slopes[l]);
+                        let by_theta = simd.splat_f64s(radius.values[k] * radius.hoops[l]);
+                        let target = xv[9 * (k * n + l)..9 * (k * n + l) + 9].iter_mut();
+                        for (sum, (rho, theta)) in target.zip(product[6..15].iter().zip(&product[15..24])) {
+                            let first = simd.mul_add_e_f64s(by_rho, *rho, *sum);
+                            *sum = simd.mul_add_e_f64s(by_theta, *theta, first);
+                        }
+                        if k > l {
+                            continue;
+                        }
+                        let pair = k * (2 * n + 1 - k) / 2 + l - k;
+                        let value = simd.splat_f64s(radius.values[k] * radius.values[l]);
+                        for (sum, xx) in xx[6 * pair..6 * pair + 6].iter_mut().zip(&product[..6]) {
+                            *sum = simd.mul_add_e_f64s(value, *xx, *sum);
+                        }
+                        let factors = [
+                            radius.slopes[k] * radius.slopes[l],
+                            radius.hoops[k] * radius.hoops[l],
+                            radius.slopes[k] * radius.hoops[l],
+                            radius.hoops[k] * radius.slopes[l],
+                        ];
+                        let [rr, tt, rt, tr] = splat4(simd, &factors);
+                        let normal = product[24..33].iter().zip(&product[33..42]);
+                        let mixed = product[42..51].iter().zip(&product[51..60]);
+                        let target = vv[9 * pair..9 * pair + 9].iter_mut();
+                        for (sum, ((a, b), (c, d))) in target.zip(normal.zip(mixed)) {
+                            let first = simd.mul_add_e_f64s(tt, *b, simd.mul_add_e_f64s(rr, *a, *sum));
+                            *sum = simd.mul_add_e_f64s(tr, *d, simd.mul_add_e_f64s(rt, *c, first));
+                        }
+                    }
+                }
             }
         }
     }
@@ -819,38 +885,64 @@ impl RingElement {
         let entries = self.entries();
         let (xx, xv, vv) = (0, entries[0], entries[0] + entries[1]);
         let tables = [0, 1, 2, 3].map(|p| S::as_simd_f64s(&self.stations.pairs[p]).0);
-        let row = |entry: usize| &at_stations[entry * padded..entry * padded + self.stations.count];
-        let mut values = [0.0; NODE_PAIRS];
+        let count = self.stations.count;
+        // for L_i' L_j', L_i' L_j, L_i L_j' and L_i L_j the nine components at every station
+        let mut moments = vec![[0.0; 9]; 4 * count];
+        let mut values = [[0.0; NODE_PAIRS]; 9];
         let mut pair = 0;
         for k in 0..n {
             for l in k..n {
                 for i in 0..3 {
                     for j in 0..3 {
-                        // factors L_i' L_j', L_i' L_j, L_i L_j', L_i L_j
-                        let rows = [
-                            row(xx + 6 * pair + SIX[i][j]),
-                            row(xv + 9 * (k * n + l) + 3 * i + j),
-                            row(xv + 9 * (l * n + k) + 3 * j + i),
-                            row(vv + 9 * pair + 3 * i + j),
+                        let entries = [
+                            xx + 6 * pair + SIX[i][j],
+                            xv + 9 * (k * n + l) + 3 * i + j,
+                            xv + 9 * (l * n + k) + 3 * j + i,
+                            vv + 9 * pair + 3 * i + j,
                         ];
-                        for v in 0..vectors {
-                            let mut sums = [simd.splat_f64s(0.0); 2];
-                            for s in 0..self.stations.count {
-                                for (p, row) in rows.iter().enumerate() {
-                                    let table = tables[3 - p][s * vectors + v];
-                                    let moment = simd.splat_f64s(row[s]);
-                                    sums[p % 2] = simd.mul_add_e_f64s(moment, table, sums[p % 2]);
-                                }
+                        for (entry, moments) in entries.into_iter().zip(moments.chunks_exact_mut(count)) {
+                            let row = &at_stations[entry * padded..entry * padded + count];
+                            for (moment, value) in moments.iter_mut().zip(row) {
+                                moment[3 * i + j] = *value;
                             }
-                            S::as_mut_simd_f64s(&mut values).0[v] = simd.add_f64s(sums[0], sums[1]);
                         }
-                        for node in 0..self.n_nodes {
-                            for other in 0..self.n_nodes {
-                                let (a, b) = (3 * (node * n + k) + i, 3 * (other * n + l) + j);
-                                let value = values[4 * node + other];
-                                tangent[b * size + a] = value;
-                                tangent[a * size + b] = value;
+                    }
+                }
+                for start in (0..vectors).step_by(2) {
+                    let mut sums = [[simd.splat_f64s(0.0); 2]; 9];
+                    for (p, moments) in moments.chunks_exact(count).enumerate() {
+                        for (moment, table) in moments.iter().zip(tables[3 - p].chunks_exact(vectors)) {
+                            let (x, y) = (table[start], table[start + 1]);
+                            for e in 0..9 {
+                                let moment = simd.splat_f64s(moment[e]);
+                                sums[e][0] = simd.mul_add_e_f64s(moment, x, sums[e][0]);
+                                sums[e][1] = simd.mul_add_e_f64s(moment, y, sums[e][1]);
                             }
+                        }
+                    }
+                    for (values, sums) in values.iter_mut().zip(&sums) {
+                        S::as_mut_simd_f64s(values).0[start..start + 2].copy_from_slice(sums);
+                    }
+                }
+                if k == l {
+                    // symmetric to the last digit
+                    for (i, j) in [(1, 0), (2, 0), (2, 1)] {
+                        for at in 0..NODE_PAIRS {
+                            values[3 * i + j][at] = values[3 * j + i][4 * (at % 4) + at / 4];
+                        }
+                    }
+                }
+                for node in 0..self.n_nodes {
+                    for other in 0..self.n_nodes {
+                        let (a, b, at) = (3 * (node * n + k), 3 * (other * n + l), 4 * node + other);
+                        for j in 0..3 {
+                            let target = &mut tangent[(b + j) * size + a..(b + j) * size + a + 3];
+                            target.copy_from_slice(&[values[j][at], values[3 + j][at], values[6 + j][at]]);
+                        }
+                        for i in 0..3 {
+                            let target = &mut tangent[(a + i) * size + b..(a + i) * size + b + 3];
+                            let row = &values[3 * i..3 * i + 3];
+                            target.copy_from_slice(&[row[0][at], row[1][at], row[2][at]]);
                         }
                     }
                 }
@@ -876,10 +968,10 @@ impl WithSimd for Tangent<'_> {
         let Self { element, q, geometric, tangent, scratch } = self;
         let (n, n_harmonics) = (element.n_vectors, element.n_harmonics());
         let entries: usize = element.entries().iter().sum();
-        let points =
-            6 * n + 9 * n_harmonics + PLACES * (4 * element.harmonics + 3 + n_harmonics * n_harmonics);
-        scratch.values.resize(S::F64_LANES * (points + entries) + entries * element.stations.padded, 0.0);
-        let (at_stations, pool) = scratch.values.split_at_mut(entries * element.stations.padded);
+        let points = 6 * n + 9 * n_harmonics + PLACES * (4 * element.harmonics + 3);
+        let count = S::F64_LANES * (points + entries) + entries * element.stations.padded;
+        let (at_stations, pool) =
+            aligned(&mut scratch.values, count).split_at_mut(entries * element.stations.padded);
         element.section_matrix(simd, q, geometric, pool, at_stations);
         element.expand(simd, at_stations, tangent);
     }

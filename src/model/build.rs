@@ -241,7 +241,7 @@ impl Input<'_> {
             _ if name.starts_with("34R") => self.fault(
                 path,
                 "a ring member 34Rdh has a radial degree d from 1 to 6 and harmonics up to h from 1 to 9",
-                "e.g. 34R12, 34R13, 34R23, 34R33, 34R34 (h 2 or more lets a section ovalise)",
+                "e.g. 34R12, 34R13, 34R23, 34R33, 34R34 (h 3 or more lets a wall ovalise); or 34X1 .. 34X5",
             ),
             _ => {
                 let near =

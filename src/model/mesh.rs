@@ -159,7 +159,7 @@ mod tests {
 
     #[test]
     fn the_richer_side_follows_at_a_joint() {
-        let mesh = Mesh::new(&[plan(1.0, 1, 1), plan(1.0, 2, 4)], &[], &[], 2.0);
+        let mesh = Mesh::new(&[plan(1.0, 1, 1), plan(1.0, 2, 4)], &[Section::circle(0.1)], &[], 2.0);
         let vectors: Vec<usize> = mesh.nodes.iter().map(Node::n_vectors).collect();
         assert_eq!(vectors, [3, 3, 3, 3, 15, 15, 15, 15, 15, 15]);
         let follows: Vec<[bool; 2]> = mesh.elements.iter().map(|e| e.follows).collect();
