@@ -177,10 +177,10 @@ pub fn constraint_rows(model: &Model, node: usize) -> Vec<Vec<f64>> {
 fn mean_rotation(model: &Model, node: usize) -> Vec<f64> {
     let Some(section) = section_at(model, node) else { return Vec::new() };
     let functions = functions_at(model, node);
-    let scale = section.area() * model.reference_length;
-    let with_y = functions.integrals(&section, 1, 0).into_iter();
-    let with_z = functions.integrals(&section, 0, 1).into_iter();
-    with_y.zip(with_z).flat_map(|(y, z)| [0.0, -z / scale, y / scale]).collect()
+    let per = [section.area(), model.reference_length];
+    let with_y = functions.integrals_per(&section, 1, 0, per).into_iter();
+    let with_z = functions.integrals_per(&section, 0, 1, per).into_iter();
+    with_y.zip(with_z).flat_map(|(y, z)| [0.0, -z, y]).collect()
 }
 
 /// Nodes with a rigid hub (disks, and rigid ends that spin free) and its stiffness `k = HUB E R^3`, N m.

@@ -59,6 +59,11 @@ impl SectionFunctions {
 
     /// `int f_k y^a z^b dA` over an area, m^(2+a+b).
     pub fn integrals(&self, over: &Section, a: usize, b: usize) -> Vec<f64> {
+        self.integrals_per(over, a, b, [1.0, 1.0])
+    }
+
+    /// [`Self::integrals`] divided by two numbers.
+    pub fn integrals_per(&self, over: &Section, a: usize, b: usize, per: [f64; 2]) -> Vec<f64> {
         let r = self.reference_length;
         if let SectionBasis::Ring { degree, harmonics } = self.basis {
             let mut sums = vec![0.0; self.ring.len()];
@@ -75,15 +80,20 @@ impl SectionFunctions {
                 }
             }
             let size = over.area() * over.outer_size().powi((a + b) as i32);
-            sums.iter_mut().filter(|s| s.abs() < 1e-14 * size).for_each(|s| *s = 0.0);
+            sums.iter_mut()
+                .for_each(|s| *s = if s.abs() < 1e-14 * size { 0.0 } else { *s / (per[0] * per[1]) });
             return sums;
         }
-        let scale = |i: usize, j: usize| factorial(i) * factorial(j) * r.powi((i + j) as i32);
+        let scale =
+            |i: usize, j: usize| factorial(i) * factorial(j) * r.powi((i + j) as i32) * per[0] * per[1];
         self.exponents.iter().map(|&(i, j)| over.moment(i + a, j + b) / scale(i, j)).collect()
     }
 
     /// Mean value of every function over an area: the weights of a load or a bearing that acts on it.
     pub fn means(&self, over: &Section) -> Vec<f64> {
+        if !self.basis.is_ring() {
+            return self.integrals_per(over, 0, 0, [over.area(), 1.0]);
+        }
         let sums = self.integrals(over, 0, 0);
         // the first function is 1
         let area = sums[0];
