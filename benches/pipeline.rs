@@ -9,6 +9,7 @@ use rotor::assembly::Assembly;
 use rotor::case::{Case, LoadedCase};
 use rotor::element::ElementMatrices;
 use rotor::model::{ElementKind, Gyroscopic, Law, Model, WhirlFrame};
+use rotor::vectors::SectionBasis;
 use serde_json::{Map, json};
 use std::path::Path;
 

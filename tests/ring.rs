@@ -52,7 +52,8 @@ fn pairs(modes: &[Mode], kind: ModeKind, waves: usize) -> Vec<f64> {
 /// Independent numpy model, 8 elements: bending 1, 2, 3 and the first ovalling pairs.
 #[test]
 fn frequencies_of_free_tubes_are_those_of_the_independent_model() {
-    let rows: [(&str, [f64; 3], [&[f64]; 3]); 4] = [
+    type Row = (&'static str, [f64; 3], [&'static [f64]; 3]);
+    let rows: [Row; 4] = [
         ("34R12", [212.46, 469.41, 743.94], [&[], &[], &[]]),
         (
             "34R13",
