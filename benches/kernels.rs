@@ -3,8 +3,10 @@
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use rotor::element::nonlinear::{NonlinearElement, Scratch};
+use rotor::element::ring_forces::{RingElement, RingScratch};
 use rotor::model::{ElementKind, Law, Material, Quadrature};
 use rotor::section::Section;
+use rotor::vectors::SectionBasis;
 
 fn main() {
     divan::main();
@@ -16,17 +18,18 @@ const QUADRATURES: [(&str, Quadrature); 3] = [
     ("4 stations", Quadrature { axial: Some(4), section: None }),
 ];
 
+const STEEL: Material = Material {
+    youngs_modulus: 2.1e11,
+    poisson_ratio: 0.3,
+    density: 7850.0,
+    stiffness_damping: 0.0,
+    mass_damping: 0.0,
+};
+
 fn element(order: usize, quadrature: usize) -> (NonlinearElement, Vec<f64>) {
-    let kind = ElementKind { axial_degree: 3, section_order: order, law: Law::Continuum };
-    let steel = Material {
-        youngs_modulus: 2.1e11,
-        poisson_ratio: 0.3,
-        density: 7850.0,
-        stiffness_damping: 0.0,
-        mass_damping: 0.0,
-    };
+    let kind = ElementKind { axial_degree: 3, basis: SectionBasis::Monomials(order), law: Law::Continuum };
     let rule = QUADRATURES[quadrature].1;
-    let element = NonlinearElement::new(kind, &Section::circle(0.1), &steel, 0.3, 0.1, rule);
+    let element = NonlinearElement::new(kind, &Section::circle(0.1), &STEEL, 0.3, 0.1, rule);
     let n = kind.n_vectors();
     let q = (0..element.size())
         .map(|i| {
@@ -89,6 +92,44 @@ fn force_with(bencher: Bencher<'_, '_>, name: &str) {
 fn tangent_with(bencher: Bencher<'_, '_>, name: &str) {
     let Some((element, q)) = narrow(name) else { return };
     let mut scratch = Scratch::default();
+    let mut tangent = vec![0.0; q.len() * q.len()];
+    bencher.bench_local(|| element.tangent(divan::black_box(&q), &mut tangent, &mut scratch));
+}
+
+/// A ring member on a tube .2/.15, strained by some per cent.
+fn ring(degree: usize, harmonics: usize) -> Option<(RingElement, Vec<f64>)> {
+    let basis = SectionBasis::Ring { degree, harmonics };
+    let kind = ElementKind { axial_degree: 3, basis, law: Law::Continuum };
+    let element = RingElement::new(kind, &Section::tube(0.2, 0.15), &STEEL, 0.3, 0.2, Quadrature::EXACT)?;
+    let n = kind.n_vectors();
+    let q = (0..element.size())
+        .map(|i| {
+            let (node, vector, c) = (i / 3 / n, i / 3 % n, i % 3);
+            let straight = match (vector, c) {
+                (0, 0) => 0.1 * node as f64,
+                (1, 1) | (2, 2) => 0.2,
+                _ => 0.0,
+            };
+            straight + 0.001 * (0.7 * i as f64).sin()
+        })
+        .collect();
+    Some((element, q))
+}
+
+const RINGS: [(usize, usize); 5] = [(1, 2), (1, 3), (2, 3), (3, 3), (3, 4)];
+
+#[divan::bench(args = RINGS)]
+fn ring_force(bencher: Bencher<'_, '_>, (degree, harmonics): (usize, usize)) {
+    let Some((element, q)) = ring(degree, harmonics) else { return };
+    let mut scratch = RingScratch::default();
+    let mut force = vec![0.0; q.len()];
+    bencher.bench_local(|| element.internal_force(divan::black_box(&q), None, &mut force, &mut scratch));
+}
+
+#[divan::bench(args = RINGS)]
+fn ring_tangent(bencher: Bencher<'_, '_>, (degree, harmonics): (usize, usize)) {
+    let Some((element, q)) = ring(degree, harmonics) else { return };
+    let mut scratch = RingScratch::default();
     let mut tangent = vec![0.0; q.len() * q.len()];
     bencher.bench_local(|| element.tangent(divan::black_box(&q), &mut tangent, &mut scratch));
 }

@@ -9,6 +9,7 @@ use rotor::assembly::Assembly;
 use rotor::case::{Case, LoadedCase};
 use rotor::element::ElementMatrices;
 use rotor::model::{ElementKind, Gyroscopic, Law, Model, WhirlFrame};
+use rotor::vectors::SectionBasis;
 use serde_json::{Map, json};
 use std::path::Path;
 
@@ -29,7 +30,7 @@ fn model(elements: usize) -> Model {
 #[divan::bench(args = [1, 2, 3, 4, 5])]
 fn element_matrices(bencher: Bencher, order: usize) {
     let model = model(4);
-    let kind = ElementKind { axial_degree: 3, section_order: order, law: Law::Continuum };
+    let kind = ElementKind { axial_degree: 3, basis: SectionBasis::Monomials(order), law: Law::Continuum };
     bencher.bench(|| {
         ElementMatrices::new(kind, &model.sections[0], &model.materials[0], black_box(0.375), 0.05)
     });

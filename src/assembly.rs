@@ -1,16 +1,17 @@
 //! From a model to sparse matrices in the free coordinates.
 //!
 //! Constraints hold within single nodes and are eliminated: `q = T z` with z a subset of the
-//! coordinates, `A_free = T^T A T`. Matrices are accumulated in column profiles (the shaft is a chain, so
+//! coordinates, `A_free = T^T A T`; so are the vectors that follow a neighbour's at a joint of unlike elements. Matrices are accumulated in column profiles (the shaft is a chain, so
 //! the profile is narrow) and stored without exact zeros, which uncouples the planes of symmetry.
 //! Each matrix is built only when an analysis asks for it.
 
 use crate::element::ElementMatrices;
-use crate::element::basis::{exponents, rotation_matrix};
+use crate::element::basis::rotation_matrix;
 use crate::linalg::chain::{Layout, Link};
 use crate::linalg::sparse::{Sparse, from_columns};
-use crate::model::{Element, Gyroscopic, Material, Model};
+use crate::model::{Element, Gyroscopic, Material, Model, Node};
 use crate::support::{self, Contribution, Numbering};
+use crate::vectors::SectionBasis;
 use faer::Mat;
 use nalgebra::DMatrix;
 
@@ -60,11 +61,18 @@ impl<'a> Assembly<'a> {
     /// Numbers the coordinates, eliminates the constraints and computes each distinct element once.
     pub fn new(model: &'a Model) -> Self {
         let numbering = Numbering::new(model);
-        let (expansion, free, constraints) = eliminate(model, &numbering);
+        let (expansion, free, constraints) = eliminate(model, &numbering, true);
         Self::with(model, numbering, expansion, free, constraints)
     }
 
-    /// The same without any support: all coordinates free, rigid hubs not constrained.
+    /// The same without any support, rigid hubs not constrained; joints hold.
+    pub fn unsupported(model: &'a Model) -> Self {
+        let numbering = Numbering::new(model);
+        let (expansion, free, constraints) = eliminate(model, &numbering, false);
+        Self::with(model, numbering, expansion, free, constraints)
+    }
+
+    /// The same without any constraint: all coordinates free, also those that follow at joints.
     pub fn unconstrained(model: &'a Model) -> Self {
         let numbering = Numbering::new(model);
         let expansion = (0..numbering.len()).map(|i| vec![(i, 1.0)]).collect();
@@ -175,9 +183,9 @@ impl<'a> Assembly<'a> {
     /// Coordinates of an element before constraints, in its own order.
     pub fn element_coordinates(&self, element: &Element) -> Vec<usize> {
         let n_vectors = element.kind.n_vectors();
-        (element.first_node..=element.first_node + element.kind.axial_degree)
-            .flat_map(|node| {
-                let start = self.numbering.index(node, 0, 0);
+        (0..=element.kind.axial_degree)
+            .flat_map(|i| {
+                let start = self.numbering.of_element(element, i);
                 start..start + 3 * n_vectors
             })
             .collect()
@@ -272,7 +280,7 @@ impl<'a> Assembly<'a> {
     /// `beta K (D_theta - J) + alpha G / 2` (stationary frame; docs/theory.md section 6).
     pub fn circulatory(&self) -> Sparse {
         let material = |material: &Material, m: &ElementMatrices| {
-            let convected = &m.stiffness * convection(m.stiffness.nrows(), self.order_of(m));
+            let convected = &m.stiffness * convection(m.stiffness.nrows(), self.basis_of(m));
             convected * faer::Scale(material.stiffness_damping)
                 + &m.gyroscopic * faer::Scale(material.mass_damping / 2.0)
         };
@@ -295,11 +303,11 @@ impl<'a> Assembly<'a> {
         self.model.materials.iter().any(|m| m.stiffness_damping != 0.0 || m.mass_damping != 0.0)
     }
 
-    fn order_of(&self, matrices: &ElementMatrices) -> usize {
+    fn basis_of(&self, matrices: &ElementMatrices) -> SectionBasis {
         let of = |e: usize| std::ptr::eq(self.element_matrices(e), matrices);
         (0..self.model.elements.len())
             .find(|&e| of(e))
-            .map_or(1, |e| self.model.elements[e].kind.section_order)
+            .map_or(SectionBasis::Monomials(1), |e| self.model.elements[e].kind.basis)
     }
 
     fn bearings(&self, law: impl Fn(&crate::model::Bearing) -> [[f64; 2]; 2]) -> Vec<Contribution> {
@@ -439,8 +447,9 @@ impl<'a> Assembly<'a> {
         std::array::from_fn(|motion| {
             let mut q = vec![0.0; self.numbering.len()];
             for (node, at) in self.model.nodes.iter().enumerate() {
-                let mut set =
-                    |vector, component, value| q[self.numbering.index(node, vector, component)] = value;
+                let mut set = |vector: usize, component: usize, value| {
+                    self.numbering.fields(node).for_each(|first| q[first + 3 * vector + component] = value);
+                };
                 match motion {
                     0..=2 => set(0, motion, 1.0),
                     3 => {
@@ -465,12 +474,8 @@ impl<'a> Assembly<'a> {
     pub fn mirror_signs(&self) -> Vec<[bool; 2]> {
         let mut signs = Vec::with_capacity(self.numbering.len());
         for node in &self.model.nodes {
-            // vectors come in whole orders, so the first of order 5 are those of any member
-            for &(a, b) in exponents(5).iter().take(node.n_vectors) {
-                for component in 0..3 {
-                    let (y, z) = (a + usize::from(component == 1), b + usize::from(component == 2));
-                    signs.push([y % 2 == 1, z % 2 == 1]);
-                }
+            for [y, z] in node.odd() {
+                signs.extend([[y, z], [!y, z], [y, !z]]);
             }
         }
         self.free.iter().map(|&i| signs[i]).collect()
@@ -481,13 +486,14 @@ impl<'a> Assembly<'a> {
     pub fn holds_stretch_one_way(&self) -> bool {
         let turned =
             |row: &[f64]| -> Vec<f64> { row.chunks_exact(3).flat_map(|c| [0.0, c[2], -c[1]]).collect() };
-        let stretches = |row: &[f64]| {
-            let vectors = exponents(5).into_iter().zip(row.chunks_exact(3));
-            vectors.into_iter().any(|((a, b), c)| {
-                (c[1] != 0.0 && a % 2 == 1 && b % 2 == 0) || (c[2] != 0.0 && a % 2 == 0 && b % 2 == 1)
-            })
-        };
         (0..self.model.nodes.len()).any(|node| {
+            let odd = self.model.nodes[node].odd();
+            let stretches = |row: &[f64]| {
+                let mut vectors = odd.iter().zip(row.chunks_exact(3));
+                vectors.any(|(odd, c)| {
+                    (c[1] != 0.0 && *odd == [true, false]) || (c[2] != 0.0 && *odd == [false, true])
+                })
+            };
             let rows: Vec<Vec<f64>> =
                 self.constraints.iter().filter(|(n, _)| *n == node).map(|(_, row)| row.clone()).collect();
             let mut more = rows.clone();
@@ -584,8 +590,8 @@ fn symmetric_part(k: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
 }
 
 /// `D_theta - J` on element coordinates: what spin adds to the rate of strain, per unit speed.
-fn convection(size: usize, order: usize) -> Mat<f64> {
-    let turn = rotation_matrix(order);
+fn convection(size: usize, basis: SectionBasis) -> Mat<f64> {
+    let turn = rotation_matrix(basis);
     let n_vectors = turn.nrows();
     Mat::from_fn(size, size, |i, j| {
         let (vi, vj) = (i / 3, j / 3);
@@ -611,13 +617,13 @@ type Elimination = (Vec<Vec<(usize, f64)>>, Vec<usize>, Vec<(usize, Vec<f64>)>);
 
 /// Eliminates the constraints of each node by Gauss-Jordan with full pivoting; dependent rows drop out.
 /// Returns T by rows, the free coordinates, and the constraint rows for later use.
-fn eliminate(model: &Model, numbering: &Numbering) -> Elimination {
+fn eliminate(model: &Model, numbering: &Numbering, supports: bool) -> Elimination {
     let mut expansion = vec![Vec::new(); numbering.len()];
     let (mut free, mut constraints) = (Vec::new(), Vec::new());
     for node in 0..model.nodes.len() {
-        let rows = support::constraint_rows(model, node);
+        let rows = if supports { support::constraint_rows(model, node) } else { Vec::new() };
         let start = numbering.index(node, 0, 0);
-        let size = 3 * model.nodes[node].n_vectors;
+        let size = 3 * model.nodes[node].n_vectors();
         let reduced = reduce(rows.clone());
         constraints.extend(rows.into_iter().map(|row| (node, row)));
         let is_pivot = |i: usize| reduced.iter().any(|(pivot, _)| *pivot == i);
@@ -634,8 +640,30 @@ fn eliminate(model: &Model, numbering: &Numbering) -> Elimination {
                 .map(|(offset, i)| (first_free + offset, -row[i - start]))
                 .collect();
         }
+        follow(model, node, start, &mut expansion);
     }
     (expansion, free, constraints)
+}
+
+/// Expands the vectors that follow a node's own at a joint, `q_k = sum_l P_kl own_l`.
+fn follow(model: &Model, node: usize, start: usize, expansion: &mut [Vec<(usize, f64)>]) {
+    let Node { field, follower: Some(follower), .. } = model.nodes[node] else { return };
+    let Some(shared) = support::section_at(model, node) else { return };
+    let p = support::functions(model, follower).following(&support::functions(model, field), &shared);
+    for k in 0..p.nrows() {
+        for c in 0..3 {
+            let mut row: Vec<(usize, f64)> = Vec::new();
+            for l in (0..p.ncols()).filter(|&l| p[(k, l)] != 0.0) {
+                for &(j, value) in &expansion[start + 3 * l + c] {
+                    match row.iter_mut().find(|(i, _)| *i == j) {
+                        Some(entry) => entry.1 += p[(k, l)] * value,
+                        None => row.push((j, p[(k, l)] * value)),
+                    }
+                }
+            }
+            expansion[start + 3 * (p.ncols() + k) + c] = row;
+        }
+    }
 }
 
 /// Reduced row echelon form: `(pivot column, row with 1 at the pivot and 0 at the other pivots)`.
@@ -649,7 +677,8 @@ fn reduce(mut rows: Vec<Vec<f64>>) -> Vec<(usize, Vec<f64>)> {
         let mut best = (0, 0, 0.0);
         for (r, row) in rows.iter().enumerate() {
             for (c, v) in row.iter().enumerate() {
-                if v.abs() > best.2 {
+                // among equals the first, whatever rounding says
+                if v.abs() > best.2 * (1.0 + ROUNDING) {
                     best = (r, c, v.abs());
                 }
             }

@@ -151,7 +151,9 @@ pub struct Section {
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Shaft {
-    /// Element of all segments that name none: 34X1 .. 34X5 (34X3 the default), 3333c, 3333s.
+    /// Element of all segments that name none: 34X1 .. 34X5 (34X3 the default); 34Rdh for walls, with radial degree d
+    /// (1 to 6) and harmonics up to h (1 to 9), e.g. 34R23; "auto" for 34R23 or 34R33 on walls and 34X3 elsewhere; 3333c,
+    /// 3333s.
     #[serde(default = "default_element")]
     pub element: String,
     /// Segments, laid end to end from x = 0.

@@ -357,7 +357,10 @@ impl<'a> Dynamics<'a> {
                 continue;
             }
             let place = &self.nodes[node];
-            let mut f: [f64; 3] = std::array::from_fn(|c| self.memory.residual[place.start + c]);
+            let mut f = [0.0; 3];
+            for first in self.assembly.numbering.fields(node) {
+                f.iter_mut().zip(&self.memory.residual[first..]).for_each(|(f, r)| *f += r);
+            }
             if self.frame == Frame::Rotating || place.turned {
                 turn_pair(&mut f, sin, cos);
             }

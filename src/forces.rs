@@ -5,7 +5,8 @@
 //! in parallel when there are many; sums are taken in one order, so results do not depend on threads.
 
 use crate::assembly::Assembly;
-use crate::element::nonlinear::{NonlinearElement, Scratch};
+use crate::element::nonlinear::{self, NonlinearElement};
+use crate::element::ring_forces::{RingElement, RingScratch};
 use crate::element::structural::{AXIAL_POINTS, StructuralElement};
 use crate::error::{Error, Result};
 use crate::linalg::sparse::Sparse;
@@ -20,9 +21,17 @@ const PARALLEL_FORCES: usize = 64;
 /// Elements from which it pays to evaluate tangents in parallel.
 const PARALLEL_TANGENTS: usize = 4;
 
+/// Working memory of the kernels.
+#[derive(Debug, Clone, Default)]
+struct Scratch {
+    polynomial: nonlinear::Scratch,
+    ring: RingScratch,
+}
+
 /// Internal forces of one type of element.
 enum ElementForces {
     Continuum(Box<NonlinearElement>),
+    Ring(Box<RingElement>),
     Structural(StructuralElement),
 }
 
@@ -30,6 +39,9 @@ impl ElementForces {
     fn new(model: &Model, e: &Element) -> Result<Self> {
         let (section, material) = (&model.sections[e.section], &model.materials[e.material]);
         let (r, quadrature) = (model.reference_length, model.quadrature);
+        if let Some(element) = RingElement::new(e.kind, section, material, e.length, r, quadrature) {
+            return Ok(Self::Ring(Box::new(element)));
+        }
         if e.kind.law != Law::Structural {
             let element = NonlinearElement::new(e.kind, section, material, e.length, r, quadrature);
             return Ok(Self::Continuum(Box::new(element)));
@@ -56,6 +68,7 @@ impl ElementForces {
     fn size(&self) -> usize {
         match self {
             Self::Continuum(element) => element.size(),
+            Self::Ring(element) => element.size(),
             Self::Structural(element) => element.size(),
         }
     }
@@ -68,14 +81,16 @@ impl ElementForces {
         scratch: &mut Scratch,
     ) -> f64 {
         match self {
-            Self::Continuum(element) => element.internal_force(q, velocity, force, scratch),
+            Self::Continuum(element) => element.internal_force(q, velocity, force, &mut scratch.polynomial),
+            Self::Ring(element) => element.internal_force(q, velocity, force, &mut scratch.ring),
             Self::Structural(element) => element.internal_force(q, force),
         }
     }
 
     fn tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
         match self {
-            Self::Continuum(element) => element.tangent(q, tangent, scratch),
+            Self::Continuum(element) => element.tangent(q, tangent, &mut scratch.polynomial),
+            Self::Ring(element) => element.tangent(q, tangent, &mut scratch.ring),
             Self::Structural(element) => element.tangent(q, tangent),
         }
     }
@@ -84,7 +99,11 @@ impl ElementForces {
     fn viscous_tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
         match self {
             Self::Continuum(element) => {
-                element.material_tangent(q, tangent, scratch);
+                element.material_tangent(q, tangent, &mut scratch.polynomial);
+                tangent.iter_mut().for_each(|v| *v *= element.viscosity());
+            }
+            Self::Ring(element) => {
+                element.material_tangent(q, tangent, &mut scratch.ring);
                 tangent.iter_mut().for_each(|v| *v *= element.viscosity());
             }
             Self::Structural(_) => tangent.fill(0.0),
@@ -127,9 +146,7 @@ impl<'a> Forces<'a> {
             if assembly.element_type(i) == elements.len() {
                 elements.push(ElementForces::new(model, e)?);
             }
-            let first = (e.first_node..=e.first_node + e.kind.axial_degree)
-                .map(|node| assembly.numbering.index(node, 0, 0))
-                .collect();
+            let first = (0..=e.kind.axial_degree).map(|i| assembly.numbering.of_element(e, i)).collect();
             places.push((first, 3 * e.kind.n_vectors()));
         }
         Ok(Self { assembly, elements, hubs: support::hubs(model), places })
@@ -140,9 +157,11 @@ impl<'a> Forces<'a> {
         let (model, numbering) = (self.assembly.model, &self.assembly.numbering);
         let mut q = vec![0.0; numbering.len()];
         for (node, at) in model.nodes.iter().enumerate() {
-            q[numbering.index(node, 0, 0)] = at.x;
-            q[numbering.index(node, 1, 1)] = model.reference_length;
-            q[numbering.index(node, 2, 2)] = model.reference_length;
+            for first in numbering.fields(node) {
+                q[first] = at.x;
+                q[first + 4] = model.reference_length;
+                q[first + 8] = model.reference_length;
+            }
         }
         q
     }

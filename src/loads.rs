@@ -4,12 +4,12 @@
 //! loads act on r, r_,y and r_,z alone. Tractions act on the undeformed surface. Source: docs/theory.md
 //! section 7.
 
-use crate::element::basis::{evaluate, exponents, lagrange};
+use crate::element::basis::{evaluate, lagrange};
 use crate::element::quadrature::gauss;
 use crate::forces::ScalarMass;
-use crate::model::{ActsOn, Element, Load, LoadKind, Model, Traction};
+use crate::model::{ActsOn, Element, Field, Load, LoadKind, Model, Traction};
 use crate::section::{Section, Shape};
-use crate::support::{Numbering, displacement_weights, order_at, section_at};
+use crate::support::{Numbering, displacement_weights, functions, functions_at, section_at};
 use std::f64::consts::PI;
 
 /// Gauss points over a half circumference or a face, and along an element.
@@ -43,8 +43,8 @@ pub fn dead_loads(model: &Model, numbering: &Numbering) -> Vec<f64> {
 pub fn weight(model: &Model, numbering: &Numbering, mass: &ScalarMass) -> Vec<f64> {
     let mut acceleration = vec![0.0; numbering.len()];
     for node in 0..model.nodes.len() {
-        for c in 0..3 {
-            acceleration[numbering.index(node, 0, c)] = model.gravity[c];
+        for first in numbering.fields(node) {
+            acceleration[first..first + 3].copy_from_slice(&model.gravity);
         }
     }
     let mut force = vec![0.0; numbering.len()];
@@ -68,9 +68,9 @@ fn add_moment(model: &Model, numbering: &Numbering, load: &Load, m: [f64; 3], fo
         }
     };
     let (yy, zz) = (section.moment(2, 0), section.moment(0, 2));
-    for (k, (a, b)) in exponents(order_at(model, load.node)).into_iter().enumerate() {
-        let scale = (1..=a).chain(1..=b).map(|i| i as f64).product::<f64>() * r.powi((a + b) as i32);
-        let (with_y, with_z) = (section.moment(a + 1, b) / scale, section.moment(a, b + 1) / scale);
+    let functions = functions_at(model, load.node);
+    let (with_y, with_z) = (functions.integrals(&section, 1, 0), functions.integrals(&section, 0, 1));
+    for (k, (with_y, with_z)) in with_y.into_iter().zip(with_z).enumerate() {
         add(k, 0, m[1] * with_z / zz - m[2] * with_y / yy);
         add(k, 1, -m[0] * with_z / (yy + zz));
         add(k, 2, m[0] * with_y / (yy + zz));
@@ -78,19 +78,21 @@ fn add_moment(model: &Model, numbering: &Numbering, load: &Load, m: [f64; 3], fo
 }
 
 fn add_traction(model: &Model, numbering: &Numbering, e: &Element, t: &Traction, force: &mut [f64]) {
-    let (r, section) = (model.reference_length, &model.sections[e.section]);
-    let line = surface_line(section, t.top);
+    let line = surface_line(&model.sections[e.section], t.top);
     let along: Vec<f64> = lagrange(e.kind.axial_degree)
         .iter()
         .map(|l| gauss(e.kind.axial_degree).iter().map(|&(xi, w)| w * evaluate(l, xi) * e.length / 2.0).sum())
         .collect();
-    for (k, (a, b)) in exponents(e.kind.section_order).into_iter().enumerate() {
-        let scale = (1..=a).chain(1..=b).map(|i| i as f64).product::<f64>() * r.powi((a + b) as i32);
-        let around: f64 =
-            line.iter().map(|(y, z, w)| w * y.powi(a as i32) * z.powi(b as i32)).sum::<f64>() / scale;
+    let functions = functions(model, Field { basis: e.kind.basis, section: e.section });
+    let mut around = vec![0.0; e.kind.n_vectors()];
+    for (y, z, w) in line {
+        around.iter_mut().zip(functions.at(y, z)).for_each(|(sum, f)| *sum += w * f[0]);
+    }
+    for (k, around) in around.into_iter().enumerate() {
         for (i, length) in along.iter().enumerate() {
+            let first = numbering.of_element(e, i) + 3 * k;
             for c in 0..3 {
-                force[numbering.index(e.first_node + i, k, c)] += t.traction[c] * around * length;
+                force[first + c] += t.traction[c] * around * length;
             }
         }
     }

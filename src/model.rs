@@ -5,6 +5,7 @@ mod build;
 mod mesh;
 
 use crate::section::Section;
+use crate::vectors::SectionBasis;
 
 /// Peak memory of a campbell run in bytes: system matrices, factors and the vectors of the eigenvalue solvers, for
 /// a mesh with so many unknowns and so many unknowns a node. Fitted to runs of 16 to 512 elements 34X3.
@@ -44,17 +45,35 @@ pub enum Law {
 pub struct ElementKind {
     /// Degree p of the axial Lagrange polynomials; p + 1 nodes.
     pub axial_degree: usize,
-    /// Total degree n of the section polynomials; (n+1)(n+2)/2 vectors a node.
-    pub section_order: usize,
+    /// Functions of the section, as many as a node has vectors.
+    pub basis: SectionBasis,
     /// Elastic law.
     pub law: Law,
 }
 
 impl ElementKind {
-    /// Vectors at each node of the element: (n+1)(n+2)/2.
+    /// Vectors at each node of the element.
     pub fn n_vectors(&self) -> usize {
-        (self.section_order + 1) * (self.section_order + 2) / 2
+        self.basis.count()
     }
+
+    /// Total degree of its section polynomials; of a ring the radial degree.
+    pub fn polynomial_order(&self) -> usize {
+        match self.basis {
+            SectionBasis::Monomials(order) => order,
+            SectionBasis::Ring { degree, .. } => degree,
+        }
+    }
+
+    /// Name in case files.
+    pub fn name(&self) -> String {
+        match self.law {
+            Law::Continuum => self.basis.member(),
+            Law::Split => "3333c".to_owned(),
+            Law::Structural => "3333s".to_owned(),
+        }
+    }
+
     /// Nodes of the element: p + 1.
     pub fn n_nodes(&self) -> usize {
         self.axial_degree + 1
@@ -76,16 +95,44 @@ pub struct Element {
     pub section: usize,
     /// Index into [`Model::materials`].
     pub material: usize,
+    /// At its left and right end: whether its vectors follow those of the neighbour, see [`Node::follower`].
+    pub follows: [bool; 2],
 }
 
-/// A node on the axis; an end node shared by two elements carries the larger number of vectors, the
-/// element of lower order uses the first of them.
+/// Functions of one section.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Field {
+    /// Which functions.
+    pub basis: SectionBasis,
+    /// Of which section: index into [`Model::sections`].
+    pub section: usize,
+}
+
+/// A node on the axis with its vectors. Where two elements of different functions meet, those of the richer side
+/// follow: they are the projection of the node's own field on the area that both sides share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Node {
     /// Position, m.
     pub x: f64,
-    /// Vectors at this node.
-    pub n_vectors: usize,
+    /// What its own vectors multiply.
+    pub field: Field,
+    /// What the vectors of the neighbour that follows multiply.
+    pub follower: Option<Field>,
+}
+
+impl Node {
+    /// Its own vectors.
+    pub fn n_vectors(&self) -> usize {
+        self.field.basis.count()
+    }
+
+    /// For each of its vectors, followers after its own, whether the function it multiplies changes its sign under
+    /// y -> -y and under z -> -z.
+    pub fn odd(&self) -> Vec<[bool; 2]> {
+        let mut list = self.field.basis.odd();
+        list.extend(self.follower.iter().flat_map(|f| f.basis.odd()));
+        list
+    }
 }
 
 /// How a disk holds the section it sits on.
@@ -364,6 +411,8 @@ pub struct Model {
     pub materials: Vec<Material>,
     /// Sections in use.
     pub sections: Vec<Section>,
+    /// Elements that the program chose itself (`"element": "auto"`), and why.
+    pub choices: Vec<String>,
     /// Elements from left to right.
     pub elements: Vec<Element>,
     /// Nodes from left to right.

@@ -83,6 +83,12 @@ impl Section {
         self.inner[0] > 0.0
     }
 
+    /// True for a tube, and for a hollow ellipse whose bore is similar to its outline: the image of a ring.
+    pub fn is_ring(&self) -> bool {
+        let [a, b] = [0, 1].map(|i| self.inner[i] / self.outer[i]);
+        self.shape == Shape::Ellipse && self.is_hollow() && (a - b).abs() <= 1e-12
+    }
+
     /// Largest half extent, in metres.
     pub fn outer_size(&self) -> f64 {
         self.outer[0].max(self.outer[1])
@@ -92,6 +98,12 @@ impl Section {
     /// smaller one. `None` when nothing is common (a bore larger than the neighbour).
     pub fn common(&self, other: &Self) -> Option<Self> {
         if self.shape != other.shape {
+            let (round, plate) = if self.shape == Shape::Ellipse { (self, other) } else { (other, self) };
+            if round.is_hollow()
+                && (0..2).map(|i| (plate.outer[i] / round.inner[i]).powi(2)).sum::<f64>() <= 1.0
+            {
+                return None;
+            }
             return Some(if self.area() <= other.area() { *self } else { *other });
         }
         let common = Self {

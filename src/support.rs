@@ -3,8 +3,9 @@
 //! A node of order n carries (n+1)(n+2)/2 vectors, so "clamped" or "on the section" needs a meaning;
 //! docs/theory.md section 7 states it. Coordinates are scaled: `q = R^(a+b) r_,(y^a z^b)`.
 
-use crate::element::basis::{derivative, evaluate, exponents, lagrange, mean_weights};
-use crate::model::{ActsOn, Disk, Hub, Model, SectionHold, SupportKind};
+use crate::element::basis::{derivative, evaluate, lagrange};
+use crate::element::fields::SectionFunctions;
+use crate::model::{ActsOn, Disk, Element, Field, Hub, Model, SectionHold, SupportKind};
 use crate::section::Section;
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
@@ -20,19 +21,37 @@ pub struct Contribution {
     pub matrix: Mat<f64>,
 }
 
-/// Coordinates before constraints: `offset(node) + 3 vector + component`.
+/// Coordinates before constraints: `offset(node) + 3 vector + component`; the vectors of a neighbour that follows
+/// come after the node's own.
 pub struct Numbering {
     offsets: Vec<usize>,
+    /// First coordinate of the vectors that follow, or the end of the node.
+    followers: Vec<usize>,
 }
 
 impl Numbering {
     /// Numbers the nodes from left to right.
     pub fn new(model: &Model) -> Self {
-        let mut offsets = vec![0];
-        for node in &model.nodes {
-            offsets.push(offsets[offsets.len() - 1] + 3 * node.n_vectors);
+        let (mut offsets, mut followers) = (vec![0], Vec::new());
+        for (i, node) in model.nodes.iter().enumerate() {
+            followers.push(offsets[i] + 3 * node.n_vectors());
+            offsets.push(followers[i] + 3 * node.follower.map_or(0, |f| f.basis.count()));
         }
-        Self { offsets }
+        Self { offsets, followers }
+    }
+
+    /// First coordinate of every set of vectors at a node: its own, and those that follow.
+    pub fn fields(&self, node: usize) -> impl Iterator<Item = usize> {
+        let (own, follower, end) = (self.offsets[node], self.followers[node], self.offsets[node + 1]);
+        std::iter::once(own).chain((follower < end).then_some(follower))
+    }
+
+    /// First coordinate of the vectors of an element at its i-th node.
+    pub fn of_element(&self, element: &Element, i: usize) -> usize {
+        let node = element.first_node + i;
+        let end = if i == 0 { 0 } else { 1 };
+        let at_end = i == 0 || i == element.kind.axial_degree;
+        if at_end && element.follows[end] { self.followers[node] } else { self.offsets[node] }
     }
 
     /// Index of a component (0, 1, 2) of a vector of a node.
@@ -68,9 +87,14 @@ pub fn section_at(model: &Model, node: usize) -> Option<Section> {
     Some(sections.fold(first, |a, b| a.common(&b).unwrap_or(a)))
 }
 
-/// Highest section order among the elements that meet at a node.
-pub fn order_at(model: &Model, node: usize) -> usize {
-    elements_at(model, node).map(|e| e.kind.section_order).max().unwrap_or(1)
+/// The functions of a field of the model.
+pub fn functions(model: &Model, field: Field) -> SectionFunctions {
+    SectionFunctions::new(field.basis, &model.sections[field.section], model.reference_length)
+}
+
+/// The functions that a node's own vectors multiply.
+pub fn functions_at(model: &Model, node: usize) -> SectionFunctions {
+    functions(model, model.nodes[node].field)
 }
 
 /// True when a support at the node turns its section with the drive: driven ends, and fixed components.
@@ -87,16 +111,15 @@ pub fn drives(model: &Model, node: usize) -> bool {
 
 /// Weights `w_k` of the mean displacement `sum_k w_k q_k` of the section (or of the axis).
 pub fn displacement_weights(model: &Model, node: usize, acts_on: ActsOn) -> Vec<f64> {
-    let order = order_at(model, node);
     match (acts_on, section_at(model, node)) {
-        (ActsOn::Section, Some(section)) => mean_weights(order, &section, model.reference_length),
-        _ => exponents(order).iter().map(|&(a, b)| f64::from(a + b == 0)).collect(),
+        (ActsOn::Section, Some(section)) => functions_at(model, node).means(&section),
+        _ => (0..model.nodes[node].n_vectors()).map(|k| f64::from(k == 0)).collect(),
     }
 }
 
 /// Constraint rows `sum c_i q_i = 0` over the coordinates of one node.
 pub fn constraint_rows(model: &Model, node: usize) -> Vec<Vec<f64>> {
-    let n_vectors = model.nodes[node].n_vectors;
+    let n_vectors = model.nodes[node].n_vectors();
     let unit = |vector: usize, component: usize| {
         let mut row = vec![0.0; 3 * n_vectors];
         row[3 * vector + component] = 1.0;
@@ -111,8 +134,10 @@ pub fn constraint_rows(model: &Model, node: usize) -> Vec<Vec<f64>> {
     };
     let in_plane_shape = || (3..n_vectors).flat_map(move |k| [1, 2].map(|c| unit(k, c)));
     let plane = |axially_free: bool, driven: bool| {
-        let mut rows: Vec<Vec<f64>> =
-            (0..3).filter(|&c| !(axially_free && c == 0)).map(|c| unit(0, c)).collect();
+        // the axis of a ring is empty: its section is held in the mean
+        let ring = model.nodes[node].field.basis.is_ring();
+        let held = |c: usize| if ring && c > 0 { mean(c, ActsOn::Section) } else { unit(0, c) };
+        let mut rows: Vec<Vec<f64>> = (0..3).filter(|&c| !(axially_free && c == 0)).map(held).collect();
         rows.extend((1..n_vectors).map(|k| unit(k, 0)));
         if driven {
             rows.push(mean_rotation(model, node));
@@ -150,16 +175,12 @@ pub fn constraint_rows(model: &Model, node: usize) -> Vec<Vec<f64>> {
 
 /// Mean rotation of a section about the axis, `int (y u_z - z u_y) dA`, as a row.
 fn mean_rotation(model: &Model, node: usize) -> Vec<f64> {
-    let (order, r) = (order_at(model, node), model.reference_length);
     let Some(section) = section_at(model, node) else { return Vec::new() };
-    let mut row = vec![0.0; 3 * model.nodes[node].n_vectors];
-    for (k, (a, b)) in exponents(order).into_iter().enumerate() {
-        let factorials: f64 = (1..=a).chain(1..=b).map(|i| i as f64).product();
-        let scale = factorials * r.powi((a + b) as i32) * section.area() * r;
-        row[3 * k + 2] = section.moment(a + 1, b) / scale;
-        row[3 * k + 1] = -section.moment(a, b + 1) / scale;
-    }
-    row
+    let functions = functions_at(model, node);
+    let per = [section.area(), model.reference_length];
+    let with_y = functions.integrals_per(&section, 1, 0, per).into_iter();
+    let with_z = functions.integrals_per(&section, 0, 1, per).into_iter();
+    with_y.zip(with_z).flat_map(|(y, z)| [0.0, -z, y]).collect()
 }
 
 /// Nodes with a rigid hub (disks, and rigid ends that spin free) and its stiffness `k = HUB E R^3`, N m.
@@ -244,18 +265,24 @@ pub fn disk_mass(model: &Model, numbering: &Numbering) -> Vec<Contribution> {
     result
 }
 
-/// `r_,x` at the disk as a sum over position vectors: `(first coordinate, weight)`, the mean of both sides.
+/// `r_,x` at the disk as a sum over vectors: `(first coordinate, weight)`, the mean of both sides. Of a ring the mean
+/// displacement of the section stands for r.
 fn axial_slope(model: &Model, numbering: &Numbering, disk: &Disk) -> Vec<(usize, f64)> {
     let sides: Vec<_> = elements_at(model, disk.node).collect();
     let mut slope: Vec<(usize, f64)> = Vec::new();
     for element in &sides {
+        let section = &model.sections[element.section];
+        let field = Field { basis: element.kind.basis, section: element.section };
+        let vectors = if field.basis.is_ring() { functions(model, field).means(section) } else { vec![1.0] };
         let xi = if element.first_node == disk.node { -1.0 } else { 1.0 };
         for (i, l) in lagrange(element.kind.axial_degree).iter().enumerate() {
             let weight = evaluate(&derivative(l), xi) * 2.0 / element.length / sides.len() as f64;
-            let start = numbering.index(element.first_node + i, 0, 0);
-            match slope.iter_mut().find(|s| s.0 == start) {
-                Some(entry) => entry.1 += weight,
-                None => slope.push((start, weight)),
+            for (k, share) in vectors.iter().enumerate().filter(|(_, w)| **w != 0.0) {
+                let (start, weight) = (numbering.of_element(element, i) + 3 * k, weight * share);
+                match slope.iter_mut().find(|s| s.0 == start) {
+                    Some(entry) => entry.1 += weight,
+                    None => slope.push((start, weight)),
+                }
             }
         }
     }

@@ -12,6 +12,7 @@ use super::remarks::{describe_model, offset_remark, refusal, speed_remarks};
 use super::spectrum::{Flexibility, Spectrum};
 use super::stiffening::{Stiffening, burst};
 use super::tracking::{Continuation, follow};
+use super::wall::wall_remarks;
 use super::{Outcome, ignored_input, summary};
 use crate::assembly::Assembly;
 use crate::error::{Error, Result};
@@ -49,6 +50,7 @@ pub fn campbell(
     progress: Progress<'_>,
 ) -> Result<Outcome<Campbell>> {
     let mut diagnostics = ignored_input(model);
+    wall_remarks(model, &mut diagnostics);
     if let Some(refused) = refusal(model, settings) {
         return Err(Error::Usage(format!("{}; remedy: {}", refused.reason, refused.remedy)));
     }

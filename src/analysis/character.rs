@@ -11,6 +11,7 @@ use crate::linalg::dense::self_adjoint;
 use crate::model::Element;
 use crate::results::{EnergyShare, ModeKind};
 use crate::section::Section;
+use crate::vectors::SectionBasis;
 use faer::{Mat, c64};
 
 /// Projections of one section's field.
@@ -49,9 +50,10 @@ impl<'a> Character<'a> {
     /// When a small eigenproblem fails.
     pub fn new(assembly: &'a Assembly<'a>) -> Result<Self> {
         let model = assembly.model;
-        let (mut keys, mut splits, mut of_element) = (Vec::<(usize, usize)>::new(), Vec::new(), Vec::new());
+        let (mut keys, mut splits, mut of_element) =
+            (Vec::<(usize, SectionBasis)>::new(), Vec::new(), Vec::new());
         for element in &model.elements {
-            let key = (element.section, element.kind.section_order);
+            let key = (element.section, element.kind.basis);
             let at = match keys.iter().position(|k| *k == key) {
                 Some(at) => at,
                 None => {
@@ -118,8 +120,8 @@ impl<'a> Character<'a> {
 
 impl Split {
     fn new(element: &Element, section: &Section, reference_length: f64) -> Result<Self> {
-        let order = element.kind.section_order;
-        let mass = SectionProducts::new(order, section, reference_length).plain().clone();
+        let basis = element.kind.basis;
+        let mass = SectionProducts::new(basis, section, reference_length).plain().clone();
         let n = mass.nrows();
         // unit motions: x, y, z, tilt about z, tilt about y, rotation about x
         let shapes: [&[(usize, usize, f64)]; 6] = [
@@ -143,9 +145,14 @@ impl Split {
                 motions[(row, k)] = w / norm.sqrt();
             }
         }
-        let round = if section.is_axisymmetric() { *section } else { Section::circle(section.outer_size()) };
-        let round_mass = SectionProducts::new(order, &round, reference_length).plain().clone();
-        let (harmonics, waves) = harmonics(&round_mass, order)?;
+        let size = section.outer_size();
+        let round = match basis {
+            _ if section.is_axisymmetric() => *section,
+            SectionBasis::Monomials(_) => Section::circle(size),
+            SectionBasis::Ring { .. } => Section::tube(size, size * section.inner[0] / section.outer[0]),
+        };
+        let round_mass = SectionProducts::new(basis, &round, reference_length).plain().clone();
+        let (harmonics, waves) = harmonics(&round_mass, basis)?;
         Ok(Self { motions, mass, harmonics, order: waves })
     }
 
@@ -169,9 +176,9 @@ impl Split {
 
 /// Coordinates along the harmonics of a round section: rows are `(A h)^T` with `h^T A h = 1`, and the
 /// number of waves of each.
-fn harmonics(mass: &Mat<f64>, order: usize) -> Result<(Mat<f64>, Vec<usize>)> {
+fn harmonics(mass: &Mat<f64>, basis: SectionBasis) -> Result<(Mat<f64>, Vec<usize>)> {
     let n = mass.nrows();
-    let turn = rotation_matrix(order);
+    let turn = rotation_matrix(basis);
     let full = Mat::from_fn(3 * n, 3 * n, |i, j| if i % 3 == j % 3 { mass[(i / 3, j / 3)] } else { 0.0 });
     let generator = Mat::from_fn(3 * n, 3 * n, |i, j| {
         let moved = if i % 3 == j % 3 { turn[(i / 3, j / 3)] } else { 0.0 };

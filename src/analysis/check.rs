@@ -1,5 +1,6 @@
 //! `rotor check`: what will be modelled, how big it is, and what it weighs.
 
+use super::wall::wall_remarks;
 use super::{Outcome, ignored_input, summary};
 use crate::assembly::Assembly;
 use crate::error::Result;
@@ -110,14 +111,6 @@ pub fn check(model: &Model) -> Result<Outcome<Check>> {
         Some(settings) => model_summary.modelled.push(format!("campbell: {} speeds", settings.speeds.len())),
         None => model_summary.left_out.push("spin: no `campbell` block".to_owned()),
     }
-    let hollow =
-        model.elements.iter().any(|e| model.sections[e.section].is_hollow() && e.kind.section_order < 5);
-    if hollow {
-        diagnostics.push(Diagnostic::warning(
-            "hollow-section",
-            "a polynomial section bends a thin wall too stiffly: third bending about 2 %, ovalling about 64 % \
-             too high with 34X3 (see docs/theory.md)",
-        ));
-    }
+    wall_remarks(model, &mut diagnostics);
     Ok(Outcome { results, model: model_summary, diagnostics })
 }

@@ -1,7 +1,6 @@
 //! `rotor matrices`: the unconstrained system matrices in physical units.
 
 use crate::assembly::Assembly;
-use crate::element::basis::{exponents, vector_name};
 use crate::linalg::sparse::Sparse;
 use crate::model::{Gyroscopic, Model};
 
@@ -12,7 +11,8 @@ pub struct Row {
     pub node: usize,
     /// Position of the node, m.
     pub x_m: f64,
-    /// Vector, e.g. "r", "y", "yz": the derivative of the position, in 1/m^order.
+    /// Vector, e.g. "r", "y", "yz": the derivative of the position, in 1/m^order; of a ring "P1cos2": what multiplies
+    /// that function, in m.
     pub vector: String,
     /// Component: "x", "y" or "z".
     pub component: &'static str,
@@ -33,15 +33,15 @@ pub struct PhysicalMatrix {
 /// `M`, `G`, `N`, `K0` of the unconstrained shaft with disks, hubs and bearings, and the meaning of their
 /// rows. Unknowns are the derivatives themselves (not scaled by the reference length).
 pub fn matrices(model: &Model) -> (Vec<Row>, Vec<PhysicalMatrix>) {
-    let assembly = Assembly::unconstrained(model);
+    let assembly = Assembly::unsupported(model);
     let mut rows = Vec::new();
     let mut scale = Vec::new();
     for (node, at) in model.nodes.iter().enumerate() {
-        // vectors come in whole orders, so their number tells the order
-        for &(a, b) in exponents(5).iter().take(at.n_vectors) {
+        let basis = at.field.basis;
+        for (vector, power) in basis.names().into_iter().zip(basis.scales()) {
             for component in ["x", "y", "z"] {
-                rows.push(Row { node: node + 1, x_m: at.x, vector: vector_name((a, b)), component });
-                scale.push(model.reference_length.powi((a + b) as i32));
+                rows.push(Row { node: node + 1, x_m: at.x, vector: vector.clone(), component });
+                scale.push(model.reference_length.powi(power));
             }
         }
     }

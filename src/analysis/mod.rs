@@ -21,6 +21,7 @@ pub mod state;
 pub mod statics;
 pub mod stiffening;
 pub mod tracking;
+pub mod wall;
 
 use crate::element::structural::AXIAL_POINTS;
 use crate::model::{Hub, Law, Model};
@@ -43,11 +44,7 @@ fn summary(model: &Model, degrees_of_freedom: usize, mass_kg: f64) -> ModelSumma
     let mut left_out = Vec::new();
     let mut members: Vec<String> = Vec::new();
     for element in &model.elements {
-        let name = match element.kind.law {
-            Law::Continuum => format!("34X{}", element.kind.section_order),
-            Law::Split => "3333c".to_owned(),
-            Law::Structural => "3333s".to_owned(),
-        };
+        let name = element.kind.name();
         if !members.contains(&name) {
             members.push(name);
         }
@@ -90,8 +87,10 @@ fn nonlinear_summary(model: &Model, degrees_of_freedom: usize) -> ModelSummary {
 /// The integration of nonlinear forces in words.
 fn quadrature_name(model: &Model) -> String {
     let structural = model.elements.iter().any(|e| e.kind.law == Law::Structural);
+    let rings = model.elements.iter().any(|e| e.kind.basis.is_ring());
     match (model.quadrature.axial, model.quadrature.section) {
         (None, None) if structural => format!("exact, of 3333s {AXIAL_POINTS} Gauss points along an element"),
+        (None, None) if rings => "exact, of rings to 1e-8 of the terms in 1/r".to_owned(),
         (None, None) => "exact".to_owned(),
         (axial, section) => {
             let points = |n: Option<usize>| n.map_or("exact".to_owned(), |n| format!("{n} Gauss points"));

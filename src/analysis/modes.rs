@@ -2,12 +2,14 @@
 
 use super::character::Character;
 use super::spectrum::Spectrum;
+use super::wall::wall_remarks;
 use super::{Outcome, ignored_input, summary};
 use crate::assembly::Assembly;
-use crate::element::basis::{evaluate, exponents, lagrange, mean_weights};
+use crate::element::basis::{evaluate, lagrange};
 use crate::error::Result;
-use crate::model::Model;
+use crate::model::{Field, Model};
 use crate::results::{Diagnostic, EnergyShare, Mode, ModeKind, ModeShape, Modes};
+use crate::support::functions;
 use faer::{Mat, c64};
 
 /// Residual up to which a mode counts as solved.
@@ -51,6 +53,7 @@ pub fn modes(model: &Model) -> Result<Outcome<Modes>> {
         });
     }
     let mut diagnostics = ignored_input(model);
+    wall_remarks(model, &mut diagnostics);
     if !spectrum.complete {
         diagnostics.push(Diagnostic::error(
             "sturm-count",
@@ -97,9 +100,14 @@ fn shape(assembly: &Assembly<'_>, q: &[f64], share: &EnergyShare) -> ModeShape {
     let r = model.reference_length;
     let mut shape = ModeShape::default();
     let mut activity = (-1.0, 0, 0.0);
+    let mut means: Option<(Field, Vec<f64>)> = None;
     for (e, element) in model.elements.iter().enumerate() {
         let section = &model.sections[element.section];
-        let weights = mean_weights(element.kind.section_order, section, r);
+        let field = Field { basis: element.kind.basis, section: element.section };
+        if means.as_ref().is_none_or(|(of, _)| *of != field) {
+            means = Some((field, functions(model, field).means(section)));
+        }
+        let weights = means.as_ref().map_or(&[][..], |(_, weights)| weights);
         let last = e + 1 == model.elements.len();
         for station in 0..STATIONS + usize::from(last) {
             let xi = 2.0 * station as f64 / STATIONS as f64 - 1.0;
@@ -124,19 +132,13 @@ fn shape(assembly: &Assembly<'_>, q: &[f64], share: &EnergyShare) -> ModeShape {
     let element = &model.elements[e];
     let section = &model.sections[element.section];
     let field = field_at(assembly, q, e, xi);
-    let list = exponents(element.kind.section_order);
+    let functions = functions(model, Field { basis: element.kind.basis, section: element.section });
     shape.section_x_m = element.x + element.length * (xi + 1.0) / 2.0;
     for inner in [false, true].into_iter().take(1 + usize::from(section.is_hollow())) {
         let outline = section.outline(inner, OUTLINE);
         let displacement = |&[y, z]: &[f64; 2]| {
-            let values: Vec<f64> = list
-                .iter()
-                .map(|&(a, b)| {
-                    let factorials: f64 = (1..=a).chain(1..=b).map(|i| i as f64).product();
-                    (y / r).powi(a as i32) * (z / r).powi(b as i32) / factorials
-                })
-                .collect();
-            std::array::from_fn(|c| values.iter().enumerate().map(|(k, m)| m * field[(k, c)]).sum())
+            let values = functions.at(y, z);
+            std::array::from_fn(|c| values.iter().enumerate().map(|(k, f)| f[0] * field[(k, c)]).sum())
         };
         shape.outline_displacements.push(outline.iter().map(displacement).collect());
         shape.outlines.push(outline);

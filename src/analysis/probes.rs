@@ -3,10 +3,10 @@
 use crate::assembly::Assembly;
 use crate::element::basis::{derivative, evaluate, lagrange};
 use crate::element::nonlinear::stress_at;
-use crate::model::{Element, Model};
+use crate::model::{Element, Field, Model};
 use crate::results::{PointState, ProbeState, Profile, Stress};
 use crate::section::{Section, Shape};
-use crate::vectors::exponents;
+use crate::support::functions;
 use nalgebra::{Matrix3, RowVector3, Vector3};
 
 /// Points of a profile.
@@ -24,22 +24,15 @@ fn element_at(model: &Model, x: f64) -> &Element {
 /// Shape functions of the point `(x, y, z)`: for every vector of its element the first coordinate, the function's
 /// value and its gradient (1/m).
 fn shape(assembly: &Assembly<'_>, e: &Element, [x, y, z]: [f64; 3]) -> Vec<(usize, f64, [f64; 3])> {
-    let r = assembly.model.reference_length;
     let xi = (2.0 * (x - e.x) / e.length - 1.0).clamp(-1.0, 1.0);
-    let (eta, zeta) = (y / r, z / r);
-    let power = |base: f64, n: usize| base.powi(n as i32) / (1..=n).map(|k| k as f64).product::<f64>();
-    let lower = |base: f64, n: usize| if n > 0 { power(base, n - 1) / r } else { 0.0 };
+    let field = Field { basis: e.kind.basis, section: e.section };
+    let functions = functions(assembly.model, field).at(y, z);
     let mut list = Vec::with_capacity(e.kind.n_nodes() * e.kind.n_vectors());
     for (i, l) in lagrange(e.kind.axial_degree).iter().enumerate() {
         let (value, slope) = (evaluate(l, xi), evaluate(&derivative(l), xi) * 2.0 / e.length);
-        for (k, (a, b)) in exponents(e.kind.section_order).into_iter().enumerate() {
-            let (plain, by_y, by_z) = (
-                power(eta, a) * power(zeta, b),
-                lower(eta, a) * power(zeta, b),
-                power(eta, a) * lower(zeta, b),
-            );
-            let at = assembly.numbering.index(e.first_node + i, k, 0);
-            list.push((at, value * plain, [slope * plain, value * by_y, value * by_z]));
+        let first = assembly.numbering.of_element(e, i);
+        for (k, [f, by_y, by_z]) in functions.iter().enumerate() {
+            list.push((first + 3 * k, value * f, [slope * f, value * by_y, value * by_z]));
         }
     }
     list
@@ -98,6 +91,15 @@ pub fn point_state(assembly: &Assembly<'_>, q: &[f64], [x, y, z]: [f64; 3]) -> P
 pub fn displacement(assembly: &Assembly<'_>, q: &[f64], point: [f64; 3]) -> [f64; 3] {
     let (place, _) = position(assembly, q, element_at(assembly.model, point[0]), point);
     (place - Vector3::from(point)).into()
+}
+
+/// Displacement of the axis, or of the centre of a ring section, whose axis is empty.
+pub fn axis_displacement(assembly: &Assembly<'_>, q: &[f64], x: f64) -> [f64; 3] {
+    let e = element_at(assembly.model, x);
+    if e.kind.basis.is_ring() {
+        return Centre::new(assembly, x, &assembly.model.sections[e.section]).displacement(q);
+    }
+    displacement(assembly, q, [x, 0.0, 0.0])
 }
 
 /// The probes of the model.

@@ -4,7 +4,7 @@
 //! the balanced rotor at the highest speed is checked: beyond burst there is none.
 
 use super::equilibrium::{Balance, Equilibrium, NewtonSettings};
-use super::growth::{closed_form, polynomial_error};
+use super::growth::{basis_error, closed_form};
 use super::probes::{Centre, displacement, growth, largest_strain, mid_section, probe_states, profile};
 use super::remarks::Refusal;
 use super::statics::{newton_summary, pinned_remark, strain_remark};
@@ -20,6 +20,7 @@ use crate::linalg::sparse::combine;
 use crate::model::{Frame, Integrator, Law, Model, SpinupSettings};
 use crate::results::{Diagnostic, EnergyBalance, Extremes, History, IntegratorSummary, SpinState, Spinup};
 use crate::support::drives;
+use crate::vectors::SectionBasis;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
@@ -254,23 +255,25 @@ fn spin_state(assembly: &Assembly<'_>, q: &[f64], time_s: Option<f64>, speed: f6
 
 /// Warns of hollow sections whose growth a polynomial misses, with the error of the same linear problem.
 fn growth_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
-    let mut seen: Vec<(usize, usize)> = Vec::new();
+    let mut seen: Vec<(usize, SectionBasis)> = Vec::new();
     for e in &model.elements {
-        let key = (e.section, e.kind.section_order);
+        let key = (e.section, e.kind.basis);
         if seen.contains(&key) || e.kind.law != Law::Continuum {
             continue;
         }
         seen.push(key);
         let (section, material) = (&model.sections[e.section], &model.materials[e.material]);
-        let error = |order| polynomial_error(section, material, order);
-        let Some(now) = error(e.kind.section_order).filter(|e| e.abs() > POOR_GROWTH) else { continue };
-        let better = error(5).filter(|_| e.kind.section_order < 5);
-        let better = better.map_or(String::new(), |b| format!("; 34X5 would miss it by {:+.2} %", 100.0 * b));
+        let error = |basis| basis_error(section, material, basis, section.outer[0]);
+        let Some(now) = error(e.kind.basis).filter(|e| e.abs() > POOR_GROWTH) else { continue };
+        let ring = SectionBasis::Ring { degree: 3, harmonics: 3 };
+        let better = error(ring).filter(|_| section.is_ring());
+        let better =
+            better.map_or(String::new(), |b| format!("; 34R33 would miss it by {:+.3} %", 100.0 * b));
         diagnostics.push(Diagnostic::warning(
             "hollow-growth",
             format!(
-                "34X{} misses the radial growth of the {} {}/{} by {:+.1} % (a polynomial section has no 1/r term){better}",
-                e.kind.section_order,
+                "{} misses the radial growth of the {} {}/{} by {:+.1} % (a polynomial has no 1/r term){better}",
+                e.kind.name(),
                 if section.is_hollow() { "tube" } else { "circle" },
                 section.outer[0],
                 section.inner[0],

@@ -1,7 +1,8 @@
 //! `rotor static`: equilibrium under dead loads and gravity, with finite displacements.
 
 use super::equilibrium::{Balance, Equilibrium, NewtonSettings, dot};
-use super::probes::{displacement, largest_strain, probe_states, profile};
+use super::probes::{axis_displacement, largest_strain, probe_states, profile};
+use super::wall::wall_remarks;
 use super::{Outcome, nonlinear_summary};
 use crate::assembly::Assembly;
 use crate::error::{Error, Result};
@@ -33,6 +34,7 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
     let state = balance.solve(settings, None)?;
     let q = balance.coordinates(&state.z);
     let mut diagnostics = Vec::new();
+    wall_remarks(model, &mut diagnostics);
     if !model.has_gravity() && !model.has_loads() {
         diagnostics
             .push(Diagnostic::warning("no-loads", "the case has no loads and no gravity: nothing moves"));
@@ -61,7 +63,7 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
     let strain_energy_j = balance.forces.internal_force(&q, None, &mut force, &mut Workspace::default());
     let axis = (0..AXIS_POINTS)
         .map(|k| model.length * k as f64 / (AXIS_POINTS - 1) as f64)
-        .map(|x| displacement(&assembly, &q, [x, 0.0, 0.0]))
+        .map(|x| axis_displacement(&assembly, &q, x))
         .collect();
     let mut summary = nonlinear_summary(model, assembly.size());
     if model.has_gravity() {
@@ -160,9 +162,11 @@ fn reactions(balance: &Balance<'_>, state: &Equilibrium) -> Vec<Reaction> {
     let mut scaled = balance.reactions_at(&state.z, state.load_factor);
     let mut list: Vec<Reaction> = Vec::new();
     for support in &model.supports {
-        let at = balance.assembly.numbering.index(support.node, 0, 0);
         // two supports at one node share its reaction: it is listed once
-        let force_n = std::array::from_fn(|c| std::mem::take(&mut scaled[at + c]));
+        let mut force_n = [0.0; 3];
+        for at in balance.assembly.numbering.fields(support.node) {
+            force_n.iter_mut().zip(&mut scaled[at..]).for_each(|(f, part)| *f += std::mem::take(part));
+        }
         list.push(Reaction { support: support.path.clone(), at_m: model.nodes[support.node].x, force_n });
     }
     list

@@ -1,10 +1,12 @@
-//! Axial Lagrange polynomials, section monomials, and the exact integrals of their products.
+//! Axial Lagrange polynomials, section functions, and the exact integrals of their products.
 //!
 //! Position field: `r(x,y,z) = sum_i L_i(xi) sum_(a+b<=n) eta^a zeta^b / (a! b!) q_i,(ab)` with
 //! `eta = y/R`, `zeta = z/R` and `q = R^(a+b) r_,(y^a z^b)`; xi in [-1, 1] along the element.
-//! All integrals are closed forms: no quadrature. Source: docs/theory.md sections 1 and 2.
+//! Integrals of monomials are closed forms; functions of rings are in [`super::ring`]. Source: docs/theory.md sections 1 and 2.
 
+use super::ring;
 use crate::section::Section;
+use crate::vectors::SectionBasis;
 pub use crate::vectors::{exponents, vector_name};
 use faer::Mat;
 
@@ -82,7 +84,7 @@ fn integral_of_product(f: &[f64], g: &[f64]) -> f64 {
 /// A polynomial in the section: `(coefficient, a, b)` for `coefficient eta^a zeta^b / (a! b!)`.
 type Polynomial = Vec<(f64, usize, usize)>;
 
-/// Integrals over a section of products of the monomials `m_k` and of their derivatives, each
+/// Integrals over a section of products of its functions `m_k` and of their derivatives, each
 /// `n_vectors` square, in scaled coordinates (m^2, derivatives by y and z in 1/m).
 #[derive(Debug, Clone)]
 pub struct SectionProducts {
@@ -99,8 +101,19 @@ pub struct SectionProducts {
 }
 
 impl SectionProducts {
-    /// Integrals of the monomials up to `order` over `section`, scaled by `reference_length`.
-    pub fn new(order: usize, section: &Section, reference_length: f64) -> Self {
+    /// Integrals of the functions of `basis` over `section`, scaled by `reference_length`.
+    pub fn new(basis: SectionBasis, section: &Section, reference_length: f64) -> Self {
+        match basis {
+            SectionBasis::Monomials(order) => Self::of_monomials(order, section, reference_length),
+            SectionBasis::Ring { degree, harmonics } => {
+                let (gradients, rotation, rotation_rotation) =
+                    ring::products(degree, harmonics, section, reference_length);
+                Self { gradients, rotation, rotation_rotation, area: section.area(), reference_length }
+            }
+        }
+    }
+
+    fn of_monomials(order: usize, section: &Section, reference_length: f64) -> Self {
         let r = reference_length;
         let scaled = Section {
             shape: section.shape,
@@ -188,8 +201,13 @@ fn turn((a, b): (usize, usize)) -> Polynomial {
     result
 }
 
-/// Matrix T of `d_theta` on the section monomials: `d_theta m_l = sum_k T_kl m_k`.
-pub fn rotation_matrix(order: usize) -> Mat<f64> {
+/// Matrix T of `d_theta` on the functions of a round section: `d_theta m_l = sum_k T_kl m_k` (monomials: of any
+/// section).
+pub fn rotation_matrix(basis: SectionBasis) -> Mat<f64> {
+    let order = match basis {
+        SectionBasis::Monomials(order) => order,
+        SectionBasis::Ring { degree, harmonics } => return ring::rotation_matrix(degree, harmonics),
+    };
     let list = exponents(order);
     let mut matrix = Mat::zeros(list.len(), list.len());
     for (l, &e) in list.iter().enumerate() {
@@ -200,19 +218,6 @@ pub fn rotation_matrix(order: usize) -> Mat<f64> {
         }
     }
     matrix
-}
-
-/// Mean value of each monomial over the section, `int m_k dA / A`: the weights of a load or a bearing
-/// that acts on the whole section.
-pub fn mean_weights(order: usize, section: &Section, reference_length: f64) -> Vec<f64> {
-    let area = section.area();
-    exponents(order)
-        .iter()
-        .map(|&(a, b)| {
-            let scale = factorial(a) * factorial(b) * reference_length.powi((a + b) as i32);
-            section.moment(a, b) / (area * scale)
-        })
-        .collect()
 }
 
 fn factorial(n: usize) -> f64 {
@@ -253,8 +258,8 @@ mod tests {
     fn rotation_products_follow_from_the_rotation_matrix() {
         let section = Section::ellipse(0.15, 0.2);
         // order 2 monomials turn into order 2 monomials, so the products are exact matrix products
-        let p = SectionProducts::new(3, &section, 0.2);
-        let t = rotation_matrix(3);
+        let p = SectionProducts::new(SectionBasis::Monomials(3), &section, 0.2);
+        let t = rotation_matrix(SectionBasis::Monomials(3));
         let rotation = p.plain() * &t;
         assert!((&rotation - &p.rotation).norm_max() < 1e-17);
         assert!((t.transpose() * &rotation - &p.rotation_rotation).norm_max() < 1e-17);

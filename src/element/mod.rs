@@ -7,9 +7,13 @@
 
 pub mod basis;
 pub mod continuum;
+pub mod fields;
 pub mod inertia;
 pub mod nonlinear;
 pub mod quadrature;
+pub mod ring;
+pub mod ring_forces;
+pub mod stations;
 pub mod structural;
 
 use crate::model::{ElementKind, Law, Material};
@@ -39,7 +43,7 @@ impl ElementMatrices {
         reference_length: f64,
     ) -> Self {
         let axial = basis::AxialProducts::new(kind.axial_degree, length);
-        let plane = basis::SectionProducts::new(kind.section_order, section, reference_length);
+        let plane = basis::SectionProducts::new(kind.basis, section, reference_length);
         let stiffness = match kind.law {
             Law::Continuum => continuum::stiffness(&continuum::isotropic(material), &axial, &plane),
             Law::Split => continuum::split_stiffness(section, material, &axial, &plane),

@@ -1,6 +1,7 @@
 //! Elements and nodes along the shaft: segments laid end to end, cut where something stands.
 
-use super::{Element, ElementKind, Node};
+use super::{Element, ElementKind, Field, Node};
+use crate::section::Section;
 
 /// Share of the shaft's length within which two positions are one.
 const SAME: f64 = 1e-9;
@@ -34,7 +35,7 @@ impl Mesh {
     ///
     /// Within a segment the elements are dealt out to the pieces between positions, each time to the piece
     /// whose elements are longest, at least one to each: lengths as even as possible, never fewer elements.
-    pub fn new(plans: &[SegmentPlan], positions: &[f64], length: f64) -> Self {
+    pub fn new(plans: &[SegmentPlan], sections: &[Section], positions: &[f64], length: f64) -> Self {
         let mut mesh = Self { elements: Vec::new(), nodes: Vec::new() };
         let mut start = 0.0;
         for plan in plans {
@@ -51,7 +52,7 @@ impl Mesh {
             for (&(a, b), count) in pieces.iter().zip(share(&pieces, plan.elements)) {
                 for k in 0..count {
                     let at = |k: u64| a + (b - a) * k as f64 / count as f64;
-                    mesh.push(plan, at(k), (b - a) / count as f64);
+                    mesh.push(plan, sections, at(k), (b - a) / count as f64);
                 }
             }
             start = end;
@@ -59,18 +60,28 @@ impl Mesh {
         mesh
     }
 
-    fn push(&mut self, plan: &SegmentPlan, x: f64, length: f64) {
-        let (kind, n_vectors) = (plan.kind, plan.kind.n_vectors());
-        match self.nodes.last_mut() {
-            Some(shared) => shared.n_vectors = shared.n_vectors.max(n_vectors),
-            None => self.nodes.push(Node { x, n_vectors }),
+    fn push(&mut self, plan: &SegmentPlan, sections: &[Section], x: f64, length: f64) {
+        let (kind, section, material) = (plan.kind, plan.section, plan.material);
+        let field = Field { basis: kind.basis, section };
+        let mut follows = [false; 2];
+        match (self.nodes.last_mut(), self.elements.last_mut()) {
+            (Some(shared), Some(left)) if !same_functions(shared.field, field, sections) => {
+                follows[0] = leads(shared.field, field, sections);
+                left.follows[1] = !follows[0];
+                shared.follower = Some(field);
+                if left.follows[1] {
+                    (shared.field, shared.follower) = (field, Some(shared.field));
+                }
+            }
+            (Some(_), _) => {}
+            (None, _) => self.nodes.push(Node { x, field, follower: None }),
         }
         let first_node = self.nodes.len() - 1;
         for i in 1..=kind.axial_degree {
-            self.nodes.push(Node { x: x + length * i as f64 / kind.axial_degree as f64, n_vectors });
+            let x = x + length * i as f64 / kind.axial_degree as f64;
+            self.nodes.push(Node { x, field, follower: None });
         }
-        let (section, material) = (plan.section, plan.material);
-        self.elements.push(Element { x, length, first_node, kind, section, material });
+        self.elements.push(Element { x, length, first_node, kind, section, material, follows });
     }
 
     /// The element end nearest to a position (which was among those given to [`Mesh::new`]).
@@ -79,11 +90,22 @@ impl Mesh {
         ends.min_by(|&a, &b| (self.nodes[a].x - x).abs().total_cmp(&(self.nodes[b].x - x).abs())).unwrap_or(0)
     }
 
-    /// Section of the element that holds a position.
-    pub fn section_at(&self, x: f64) -> usize {
-        let element = self.elements.iter().find(|e| x <= e.x + e.length).or(self.elements.last());
-        element.map_or(0, |e| e.section)
+    /// The element that holds a position.
+    pub fn element_at(&self, x: f64) -> Option<&Element> {
+        self.elements.iter().find(|e| x <= e.x + e.length).or(self.elements.last())
     }
+}
+
+/// True when the vectors of two sides multiply the same functions.
+fn same_functions(a: Field, b: Field, sections: &[Section]) -> bool {
+    a.basis == b.basis && (!a.basis.is_ring() || sections[a.section] == sections[b.section])
+}
+
+/// True when b, not a, has to follow at a joint: the side with more vectors follows, and among equals the one with less
+/// area, all or most of which is shared.
+fn leads(a: Field, b: Field, sections: &[Section]) -> bool {
+    let area = |f: Field| sections[f.section].area();
+    (a.basis.count(), -area(a)) <= (b.basis.count(), -area(b))
 }
 
 /// Elements for each piece.
@@ -107,9 +129,11 @@ fn share(pieces: &[(f64, f64)], elements: u64) -> Vec<u64> {
 mod tests {
     use super::*;
     use crate::model::Law;
+    use crate::vectors::SectionBasis;
 
     fn plan(length: f64, elements: u64, order: usize) -> SegmentPlan {
-        let kind = ElementKind { axial_degree: 3, section_order: order, law: Law::Continuum };
+        let kind =
+            ElementKind { axial_degree: 3, basis: SectionBasis::Monomials(order), law: Law::Continuum };
         SegmentPlan { length, elements, kind, section: 0, material: 0 }
     }
 
@@ -119,24 +143,26 @@ mod tests {
 
     #[test]
     fn a_matching_mesh_stays_as_it_is() {
-        let mesh = Mesh::new(&[plan(6.0, 16, 3)], &[3.0, 0.0, 6.0], 6.0);
-        assert_eq!(ends(&mesh), ends(&Mesh::new(&[plan(6.0, 16, 3)], &[], 6.0)));
+        let mesh = Mesh::new(&[plan(6.0, 16, 3)], &[], &[3.0, 0.0, 6.0], 6.0);
+        assert_eq!(ends(&mesh), ends(&Mesh::new(&[plan(6.0, 16, 3)], &[], &[], 6.0)));
         assert_eq!((mesh.nodes.len(), mesh.node_at(3.0)), (49, 24));
     }
 
     #[test]
     fn positions_force_ends_and_keep_lengths_even() {
-        let mesh = Mesh::new(&[plan(1.0, 4, 3)], &[0.9], 1.0);
+        let mesh = Mesh::new(&[plan(1.0, 4, 3)], &[], &[0.9], 1.0);
         assert_eq!(mesh.elements.len(), 4);
         assert!(mesh.elements.iter().any(|e| (e.x - 0.9).abs() < 1e-15));
-        let few = Mesh::new(&[plan(1.0, 1, 3)], &[0.2, 0.4, 0.4 + 1e-12], 1.0);
+        let few = Mesh::new(&[plan(1.0, 1, 3)], &[], &[0.2, 0.4, 0.4 + 1e-12], 1.0);
         assert_eq!(few.elements.len(), 3);
     }
 
     #[test]
-    fn shared_nodes_carry_the_larger_order() {
-        let mesh = Mesh::new(&[plan(1.0, 1, 1), plan(1.0, 2, 4)], &[], 2.0);
-        let vectors: Vec<usize> = mesh.nodes.iter().map(|n| n.n_vectors).collect();
-        assert_eq!(vectors, [3, 3, 3, 15, 15, 15, 15, 15, 15, 15]);
+    fn the_richer_side_follows_at_a_joint() {
+        let mesh = Mesh::new(&[plan(1.0, 1, 1), plan(1.0, 2, 4)], &[Section::circle(0.1)], &[], 2.0);
+        let vectors: Vec<usize> = mesh.nodes.iter().map(Node::n_vectors).collect();
+        assert_eq!(vectors, [3, 3, 3, 3, 15, 15, 15, 15, 15, 15]);
+        let follows: Vec<[bool; 2]> = mesh.elements.iter().map(|e| e.follows).collect();
+        assert_eq!(follows, [[false, false], [true, false], [false, false]]);
     }
 }

@@ -7,9 +7,11 @@ use rotor::element::basis::{exponents, vector_name};
 use rotor::element::nonlinear::{NonlinearElement, Scratch};
 use rotor::model::{ElementKind, Law, Material, Quadrature};
 use rotor::section::Section;
+use rotor::vectors::SectionBasis;
 use serde_json::Value;
 
-const KIND_34X3: ElementKind = ElementKind { axial_degree: 3, section_order: 3, law: Law::Continuum };
+const KIND_34X3: ElementKind =
+    ElementKind { axial_degree: 3, basis: SectionBasis::Monomials(3), law: Law::Continuum };
 
 fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")

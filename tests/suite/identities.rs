@@ -10,6 +10,7 @@ use rotor::assembly::Assembly;
 use rotor::element::ElementMatrices;
 use rotor::model::{ElementKind, Law, Material};
 use rotor::section::Section;
+use rotor::vectors::SectionBasis;
 use serde_json::{Value, json};
 
 const MATERIAL: Material = Material {
@@ -21,9 +22,16 @@ const MATERIAL: Material = Material {
 };
 
 fn members() -> Vec<ElementKind> {
-    let cubic = (1..=5).map(|n| ElementKind { axial_degree: 3, section_order: n, law: Law::Continuum });
-    let compared =
-        [Law::Split, Law::Structural].map(|law| ElementKind { axial_degree: 2, section_order: 1, law });
+    let cubic = (1..=5).map(|n| ElementKind {
+        axial_degree: 3,
+        basis: SectionBasis::Monomials(n),
+        law: Law::Continuum,
+    });
+    let compared = [Law::Split, Law::Structural].map(|law| ElementKind {
+        axial_degree: 2,
+        basis: SectionBasis::Monomials(1),
+        law,
+    });
     cubic.chain(compared).collect()
 }
 

@@ -12,6 +12,7 @@ mod integrators;
 mod nonlinear;
 mod plots;
 mod published;
+mod ring;
 mod scale;
 mod spinup;
 mod structural;

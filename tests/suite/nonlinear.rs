@@ -8,7 +8,7 @@ use rotor::element::nonlinear::{NonlinearElement, Scratch};
 use rotor::model::{ElementKind, Law, Material, Quadrature};
 use rotor::results::Static;
 use rotor::section::Section;
-use rotor::vectors::{exponents, vector_name};
+use rotor::vectors::{SectionBasis, exponents, vector_name};
 use serde_json::{Value, json};
 
 const MATERIAL: Material = Material {
@@ -27,11 +27,12 @@ fn elements() -> Vec<(String, ElementKind, Section, Quadrature)> {
     let cheap = Quadrature { axial: Some(4), section: Some(4) };
     let mut list = Vec::new();
     for order in 1..=5 {
-        let kind = ElementKind { axial_degree: 3, section_order: order, law: Law::Continuum };
+        let kind =
+            ElementKind { axial_degree: 3, basis: SectionBasis::Monomials(order), law: Law::Continuum };
         list.push((format!("34X{order} ellipse"), kind, hollow, Quadrature::EXACT));
         list.push((format!("34X{order} rectangle"), kind, Section::rectangle(0.3, 0.4), cheap));
     }
-    let split = ElementKind { axial_degree: 2, section_order: 1, law: Law::Split };
+    let split = ElementKind { axial_degree: 2, basis: SectionBasis::Monomials(1), law: Law::Split };
     list.push(("3333c".to_owned(), split, Section::rectangle(0.3, 0.4), Quadrature::EXACT));
     list
 }

@@ -7,9 +7,11 @@ use rotor::element::ElementMatrices;
 use rotor::element::structural::{AXIAL_POINTS, StructuralElement};
 use rotor::model::{ElementKind, Law, Material};
 use rotor::section::Section;
+use rotor::vectors::SectionBasis;
 use serde_json::json;
 
-const KIND: ElementKind = ElementKind { axial_degree: 2, section_order: 1, law: Law::Structural };
+const KIND: ElementKind =
+    ElementKind { axial_degree: 2, basis: SectionBasis::Monomials(1), law: Law::Structural };
 const SIZE: usize = 27;
 const LENGTH: f64 = 0.7;
 const R: f64 = 0.25;

@@ -130,7 +130,7 @@ impl NonlinearElement {
         reference_length: f64,
         quadrature: Quadrature,
     ) -> Self {
-        let (order, r) = (kind.section_order, reference_length);
+        let (order, r) = (kind.polynomial_order(), reference_length);
         let list = exponents(order);
         let (n_vectors, n_slopes) = (count(order), count(order - 1));
         let factorial = |(a, b): (usize, usize)| (1..=a).chain(1..=b).map(|k| k as f64).product::<f64>();

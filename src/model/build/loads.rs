@@ -55,6 +55,9 @@ impl Input<'_> {
                 }
             }
             let node = mesh.node_at(load.at.map_or(0.0, |at| at.0));
+            if local {
+                self.not_on_an_empty_axis(&path, load.acts_on, mesh, node)?;
+            }
             let acts_on = acts_on(load.acts_on);
             if let Some(force) = load.force.map(|f| f.map(|c| c.0)) {
                 self.bounded(&format!("{path}.force"), force)?;
@@ -85,7 +88,11 @@ impl Input<'_> {
                     "a name of its own for each probe",
                 );
             }
-            let Section { shape, outer: [cy, cz], .. } = sections[mesh.section_at(probe.at.0)];
+            let element = mesh.element_at(probe.at.0);
+            let section = &sections[element.map_or(0, |e| e.section)];
+            let Section { shape, outer: [cy, cz], inner } = *section;
+            // the functions of a ring mean nothing in the bore
+            let ring = element.is_some_and(|e| e.kind.basis.is_ring());
             let points = match (probe.line, probe.points) {
                 (None, None) => {
                     let point = [probe.y.map_or(0.0, |y| y.0), probe.z.map_or(0.0, |z| z.0)];
@@ -99,6 +106,17 @@ impl Input<'_> {
                             format!("within half extents {cy} (y) and {cz} (z)"),
                         );
                     }
+                    let bore = (point[0] / inner[0]).hypot(point[1] / inner[1]);
+                    if ring && bore < 1.0 - 1e-9 {
+                        return self.fault(
+                            &at(if probe.z.is_some() && probe.y.is_none() { "z" } else { "y" }),
+                            "the probe lies in the bore, where a ring section has no material",
+                            format!(
+                                "a point of the wall: y from {} to {cy} or z from {} to {cz}",
+                                inner[0], inner[1]
+                            ),
+                        );
+                    }
                     vec![point]
                 }
                 (Some(line), points) if probe.y.is_none() && probe.z.is_none() => {
@@ -107,10 +125,13 @@ impl Input<'_> {
                         return self.fault(&at("points"), "a line needs points", "2 to 10000");
                     }
                     let step = |k: u32| f64::from(k) / f64::from(count - 1);
+                    let from = if ring { inner } else { [0.0; 2] };
+                    let along =
+                        |axis: usize, k: u32| from[axis] + (section.outer[axis] - from[axis]) * step(k);
                     (0..count)
                         .map(|k| match line {
-                            case::Line::Y => [cy * step(k), 0.0],
-                            case::Line::Z => [0.0, cz * step(k)],
+                            case::Line::Y => [along(0, k), 0.0],
+                            case::Line::Z => [0.0, along(1, k)],
                         })
                         .collect()
                 }

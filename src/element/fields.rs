@@ -1,0 +1,152 @@
+//! The functions that a node's vectors multiply, at points of a section and integrated over an area.
+//!
+//! Field of a node: `u(y, z) = sum_k f_k(y, z) q_k`, f_k the functions of [`SectionBasis`] in scaled coordinates.
+//! Source: docs/theory.md sections 1 and 10.
+
+use super::ring::{Ring, rule};
+use crate::section::Section;
+use crate::vectors::{RingFunction, SectionBasis, exponents, ring_functions};
+use faer::Mat;
+use nalgebra::{DMatrix, DVector};
+
+/// Weight that the follower's own area has beside the shared one where the shared area alone does not decide.
+const WHOLE_AREA: f64 = 1e-7;
+/// Entries of a projection below this are rounding errors.
+const ROUNDING: f64 = 1e-11;
+
+/// The functions of one section.
+#[derive(Debug, Clone)]
+pub struct SectionFunctions {
+    basis: SectionBasis,
+    section: Section,
+    reference_length: f64,
+    exponents: Vec<(usize, usize)>,
+    ring: Vec<RingFunction>,
+}
+
+impl SectionFunctions {
+    /// Functions of `basis` on `section`; `reference_length` is R (m).
+    pub fn new(basis: SectionBasis, section: &Section, reference_length: f64) -> Self {
+        let (exponents, ring) = match basis {
+            SectionBasis::Monomials(order) => (exponents(order), Vec::new()),
+            SectionBasis::Ring { degree, harmonics } => (Vec::new(), ring_functions(degree, harmonics)),
+        };
+        Self { basis, section: *section, reference_length, exponents, ring }
+    }
+
+    /// Value and derivatives by y and z (1/m) of every function at a point.
+    pub fn at(&self, y: f64, z: f64) -> Vec<[f64; 3]> {
+        let r = self.reference_length;
+        if self.basis.is_ring() {
+            let ring = Ring::new(&self.section);
+            let (rho, theta) = ring.coordinates(y, z);
+            let ((sin, cos), [cy, cz]) = (theta.sin_cos(), ring.outer);
+            let functions = ring.functions(&self.ring, r, rho, theta).into_iter();
+            let polar = functions.map(|f| {
+                let by_y = (cos * f.radial - sin * f.hoop) / cy;
+                [f.value, by_y, (sin * f.radial + cos * f.hoop) / cz]
+            });
+            return polar.collect();
+        }
+        let (eta, zeta) = (y / r, z / r);
+        let power = |base: f64, n: usize| base.powi(n as i32) / factorial(n);
+        let lower = |base: f64, n: usize| if n > 0 { power(base, n - 1) / r } else { 0.0 };
+        let value = |&(a, b): &(usize, usize)| {
+            [power(eta, a) * power(zeta, b), lower(eta, a) * power(zeta, b), power(eta, a) * lower(zeta, b)]
+        };
+        self.exponents.iter().map(value).collect()
+    }
+
+    /// `int f_k y^a z^b dA` over an area, m^(2+a+b).
+    pub fn integrals(&self, over: &Section, a: usize, b: usize) -> Vec<f64> {
+        self.integrals_per(over, a, b, [1.0, 1.0])
+    }
+
+    /// [`Self::integrals`] divided by two numbers.
+    pub fn integrals_per(&self, over: &Section, a: usize, b: usize, per: [f64; 2]) -> Vec<f64> {
+        let r = self.reference_length;
+        if let SectionBasis::Ring { degree, harmonics } = self.basis {
+            let mut sums = vec![0.0; self.ring.len()];
+            for (y, z, weight) in rule(over, &self.section, degree + (a + b) / 2, harmonics + a + b) {
+                let weight = weight * y.powi(a as i32) * z.powi(b as i32);
+                for (sum, f) in sums.iter_mut().zip(self.at(y, z)) {
+                    *sum += weight * f[0];
+                }
+            }
+            // odd ones vanish
+            for (sum, odd) in sums.iter_mut().zip(self.basis.odd()) {
+                if odd != [a % 2 == 1, b % 2 == 1] {
+                    *sum = 0.0;
+                }
+            }
+            let size = over.area() * over.outer_size().powi((a + b) as i32);
+            sums.iter_mut()
+                .for_each(|s| *s = if s.abs() < 1e-14 * size { 0.0 } else { *s / (per[0] * per[1]) });
+            return sums;
+        }
+        let scale =
+            |i: usize, j: usize| factorial(i) * factorial(j) * r.powi((i + j) as i32) * per[0] * per[1];
+        self.exponents.iter().map(|&(i, j)| over.moment(i + a, j + b) / scale(i, j)).collect()
+    }
+
+    /// Mean value of every function over an area: the weights of a load or a bearing that acts on it.
+    pub fn means(&self, over: &Section) -> Vec<f64> {
+        if !self.basis.is_ring() {
+            return self.integrals_per(over, 0, 0, [over.area(), 1.0]);
+        }
+        let sums = self.integrals(over, 0, 0);
+        // the first function is 1
+        let area = sums[0];
+        sums.into_iter().map(|s| s / area).collect()
+    }
+
+    /// Matrix P of the vectors that make this field the projection of another one on a shared area,
+    /// `q_k = sum_l P_kl other_l`. Monomials of a lower order are continued exactly; 1, y and z always are.
+    pub fn following(&self, other: &Self, shared: &Section) -> Mat<f64> {
+        let (n, m) = (self.basis.count(), other.basis.count());
+        let mut p = Mat::from_fn(n, m, |k, l| f64::from(k == l));
+        if !self.basis.is_ring() && !other.basis.is_ring() {
+            return p;
+        }
+        let points = |over: &Section| {
+            let ring = if self.basis.is_ring() { self } else { other };
+            match ring.basis {
+                SectionBasis::Ring { degree, harmonics } => {
+                    rule(over, &ring.section, degree + 5, harmonics + 5)
+                }
+                SectionBasis::Monomials(_) => Vec::new(),
+            }
+        };
+        let mut gram = DMatrix::<f64>::zeros(n, n);
+        let mut mixed = DMatrix::<f64>::zeros(n, m);
+        let area = shared.area();
+        for (y, z, w) in points(shared) {
+            let f = DVector::from_iterator(n, self.at(y, z).into_iter().map(|f| f[0]));
+            let g = DVector::from_iterator(m, other.at(y, z).into_iter().map(|g| g[0]));
+            gram.ger(w / area, &f, &f, 1.0);
+            mixed.ger(w / area, &f, &g, 1.0);
+        }
+        for (y, z, w) in points(&self.section) {
+            let f = DVector::from_iterator(n, self.at(y, z).into_iter().map(|f| f[0]));
+            gram.ger(WHOLE_AREA * w / self.section.area(), &f, &f, 1.0);
+        }
+        let scale = DVector::from_iterator(n, (0..n).map(|k| 1.0 / gram[(k, k)].sqrt()));
+        let scaled = DMatrix::from_fn(n, n, |i, j| gram[(i, j)] * scale[i] * scale[j]);
+        let right = DMatrix::from_fn(n, m, |i, j| mixed[(i, j)] * scale[i]);
+        let Some(cholesky) = scaled.cholesky() else { return p };
+        let solved = cholesky.solve(&right);
+        let (odd, other_odd) = (self.basis.odd(), other.basis.odd());
+        for l in 3..m {
+            for k in 0..n {
+                let value = solved[(k, l)] * scale[k];
+                let kept = odd[k] == other_odd[l] && value.abs() > ROUNDING;
+                p[(k, l)] = if kept { value } else { 0.0 };
+            }
+        }
+        p
+    }
+}
+
+fn factorial(n: usize) -> f64 {
+    (1..=n).map(|k| k as f64).product()
+}
