@@ -268,7 +268,7 @@ fn growth_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
         let ring = SectionBasis::Ring { degree: 3, harmonics: 3 };
         let better = error(ring).filter(|_| section.is_ring());
         let better =
-            better.map_or(String::new(), |b| format!("; 34R33 would miss it by {:+.3} %", 100.0 * b));
+            better.map_or(String::new(), |b| format!("; 34R33 would miss it by {:+.1e} %", 100.0 * b));
         diagnostics.push(Diagnostic::warning(
             "hollow-growth",
             format!(
