@@ -174,14 +174,15 @@ fn outline(profile: &Profile) -> (Panel, String) {
     let scale = power * [5.0, 2.0].into_iter().find(|f| f * power <= wanted).unwrap_or(1.0);
     let mut curves = Vec::new();
     for (k, (line, displaced)) in profile.outlines.iter().zip(&profile.outline_displacements).enumerate() {
-        let name = if k == 0 { "" } else { ", bore" };
+        // the bore is drawn as the outline is
+        let name = |of: &str| if k == 0 { of.to_owned() } else { String::new() };
         curves.push(Curve {
-            name: format!("undeformed{name}"),
+            name: name("undeformed"),
             stroke: Stroke { color: style::GREY, width: 1.2, line: Line::Dashed },
             points: line.iter().map(|p| (p[1], p[0])).collect(),
         });
         curves.push(Curve {
-            name: format!("deformed{name}"),
+            name: name("deformed"),
             stroke: STROKES[0],
             points: line
                 .iter()

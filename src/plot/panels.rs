@@ -27,7 +27,7 @@ pub const STROKES: [Stroke; 5] = [
 
 /// A named curve.
 pub struct Curve {
-    /// Words of its legend entry.
+    /// Words of its legend entry; none for a curve that looks like the one before and needs none.
     pub name: String,
     /// How it is drawn.
     pub stroke: Stroke,
@@ -98,9 +98,11 @@ impl Panel {
     }
 
     fn paint(&self, canvas: &mut Canvas, room: Rect) {
-        let entries = self.curves.len() + self.marks.len();
+        let samples = self.curves.iter().map(|c| (Sample::Stroke(c.stroke), &c.name));
+        let samples = samples.chain(self.marks.iter().map(|m| (Sample::Marker(m.marker, m.color), &m.name)));
+        let samples: Vec<_> = samples.filter(|(_, name)| !name.is_empty()).collect();
         let per_row = 3;
-        let legend = style::LEGEND_ROW * entries.div_ceil(per_row) as f64 + 6.0;
+        let legend = style::LEGEND_ROW * samples.len().div_ceil(per_row) as f64 + 6.0;
         let frame = Rect {
             left: room.left + LEFT,
             top: room.top + legend,
@@ -137,10 +139,8 @@ impl Panel {
         canvas.frame(frame, Stroke::solid(style::BLACK, 1.0));
         style::axis(canvas, style::Side::Bottom, frame.bottom, across, self.across.0, self.across.1);
         style::axis(canvas, style::Side::Left, frame.left, up, self.up.0, self.up.1);
-        let samples = self.curves.iter().map(|c| (Sample::Stroke(c.stroke), &c.name));
-        let samples = samples.chain(self.marks.iter().map(|m| (Sample::Marker(m.marker, m.color), &m.name)));
         let width = frame.width() / per_row as f64;
-        for (k, (sample, name)) in samples.enumerate() {
+        for (k, (sample, name)) in samples.into_iter().enumerate() {
             let (row, column) = (k / per_row, k % per_row);
             let at = (frame.left + column as f64 * width, room.top + style::LEGEND_ROW * (row as f64 + 0.5));
             style::legend_entry(canvas, at, width - 8.0, sample, name);
