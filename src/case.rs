@@ -1,6 +1,10 @@
 //! The case file exactly as written: keys, defaults, units; no meaning yet (that is [`crate::model`]).
 //! Unknown keys are errors. The documentation of each key is also that of the JSON Schema.
 
+mod tradeoff;
+
+pub use tradeoff::*;
+
 use crate::error::{Error, Result};
 use crate::json::Strict;
 use crate::units::{
@@ -59,6 +63,8 @@ pub struct Case {
     /// Run up to speed, or the steady state at speed.
     #[serde(default)]
     pub spinup: Option<Spinup>,
+    /// Study of cost and error over a grid of settings.
+    pub tradeoff: Option<Tradeoff>,
     /// Values that `rotor validate` checks.
     #[serde(default)]
     pub expected: Vec<Expected>,
@@ -673,7 +679,7 @@ pub struct Expected {
 }
 
 /// Picks entries of a list by the values of their keys.
-#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Filter {
     /// Which of the matching entries, from 1; without it all.
     pub n: Option<usize>,

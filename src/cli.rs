@@ -3,11 +3,14 @@
 //! Exit codes: 0 done; 1 the analysis ran but did not succeed (no convergence, out of tolerance); 2 bad
 //! input or usage. Results go to standard output, progress and messages to standard error.
 
+mod tradeoff;
+
 use crate::analysis::matrices::matrices;
 use crate::case::{Case, LoadedCase, schema};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::report::{files, json, matrix_market, table};
+use crate::results::{Diagnostic, Level};
 use crate::run::{self, Analysis};
 use crate::validate::{Comparison, validate};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -27,6 +30,7 @@ Examples:
   rotor spinup cases/table8-spin-circle.json
   rotor static cases/table5-cantilever.json --set shaft.segments.0.elements=16
   rotor check cases/jeffcott.json
+  rotor tradeoff cases/tradeoff-tube.json --error 1e-3
   rotor validate
 
 Exit codes: 0 done; 1 the analysis did not succeed (no convergence, out of tolerance); 2 bad input or usage.";
@@ -51,6 +55,8 @@ enum Command {
     Static(RunArguments),
     /// Run up to speed: growth, stresses, orbit, torque and energies over time
     Spinup(RunArguments),
+    /// Cost and error over a grid of settings: Pareto front, and the cheapest setting for an error
+    Tradeoff(tradeoff::TradeoffArguments),
     /// Write M, G, N and K0 as Matrix Market files, with the meaning of their rows
     Matrices(RunArguments),
     /// Run what cases expect and print ours / reference / error
@@ -118,6 +124,7 @@ fn execute(command: &Command) -> Result<ExitCode> {
         Command::Campbell(arguments) => analyse(arguments, Analysis::Campbell),
         Command::Static(arguments) => analyse(arguments, Analysis::Static),
         Command::Spinup(arguments) => analyse(arguments, Analysis::Spinup),
+        Command::Tradeoff(arguments) => tradeoff::tradeoff(arguments),
         Command::Matrices(arguments) => write_matrices(arguments),
         Command::Validate(arguments) => validate_cases(arguments),
         Command::Schema => {
@@ -132,16 +139,16 @@ fn print(text: &str) {
     let _ = std::io::stdout().lock().write_all(text.as_bytes());
 }
 
-fn folder(arguments: &RunArguments) -> PathBuf {
-    arguments.out.clone().unwrap_or_else(|| {
-        let stem = arguments.case.file_stem().map(|s| s.to_os_string()).unwrap_or_default();
+fn folder(out: Option<&PathBuf>, case: &Path) -> PathBuf {
+    out.cloned().unwrap_or_else(|| {
+        let stem = case.file_stem().map(|s| s.to_os_string()).unwrap_or_default();
         Path::new("reports").join(stem)
     })
 }
 
 fn load(arguments: &RunArguments) -> Result<(LoadedCase, PathBuf)> {
     let loaded = Case::load(&arguments.case, &arguments.set)?;
-    let folder = folder(arguments);
+    let folder = folder(arguments.out.as_ref(), &arguments.case);
     files::check_folder(&folder)?;
     if let Some(threads) = arguments.threads {
         // fails only when a pool exists already, which then has the right size
@@ -156,14 +163,7 @@ fn analyse(arguments: &RunArguments, analysis: Analysis) -> Result<ExitCode> {
     let bar = progress_bar(analysis, run::steps(&loaded, analysis)?, arguments.quiet);
     let stop = Arc::new(AtomicBool::new(false));
     if analysis == Analysis::Spinup {
-        // the first interrupt ends the run with what is done, the second one at once
-        let stop = stop.clone();
-        let on_interrupt = move || {
-            if stop.swap(true, Ordering::Relaxed) {
-                std::process::exit(130);
-            }
-        };
-        ctrlc::set_handler(on_interrupt).map_err(|e| Error::Usage(format!("no interrupt handler: {e}")))?;
+        stop_on_interrupt(&stop)?;
     }
     let watch = |share: f64, line: &str| {
         bar.set_position((share * run::TICKS as f64) as u64);
@@ -176,20 +176,34 @@ fn analyse(arguments: &RunArguments, analysis: Analysis) -> Result<ExitCode> {
     pending.extend(finished.plots);
     pending.push((format!("{}.cost.json", analysis.name()), cost(start)));
     let paths = files::write_all(&folder, &pending)?;
-    let mut text = if arguments.quiet { String::new() } else { finished.table };
-    if !arguments.quiet {
+    Ok(conclude(&finished.table, &finished.diagnostics, &paths, arguments.quiet))
+}
+
+/// The first interrupt ends the run with what is done, the second one at once.
+fn stop_on_interrupt(stop: &Arc<AtomicBool>) -> Result<()> {
+    let stop = stop.clone();
+    let on_interrupt = move || {
+        if stop.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    };
+    ctrlc::set_handler(on_interrupt).map_err(|e| Error::Usage(format!("no interrupt handler: {e}")))
+}
+
+/// Prints the table and the paths, failed checks to standard error, and gives the exit code.
+fn conclude(table: &str, diagnostics: &[Diagnostic], paths: &[PathBuf], quiet: bool) -> ExitCode {
+    if !quiet {
+        let mut text = table.to_owned();
         for path in paths.iter().filter(|p| !p.to_string_lossy().ends_with(".cost.json")) {
             text += &format!("wrote {}\n", path.display());
         }
+        print(&text);
     }
-    print(&text);
-    let failed = finished.diagnostics.iter().any(|d| d.level == crate::results::Level::Error);
-    if failed {
-        for d in finished.diagnostics.iter().filter(|d| d.level == crate::results::Level::Error) {
-            eprintln!("error: {} [{}]", d.message, d.code);
-        }
+    let failed: Vec<&Diagnostic> = diagnostics.iter().filter(|d| d.level == Level::Error).collect();
+    for d in &failed {
+        eprintln!("error: {} [{}]", d.message, d.code);
     }
-    Ok(ExitCode::from(u8::from(failed)))
+    ExitCode::from(u8::from(!failed.is_empty()))
 }
 
 fn progress_bar(analysis: Analysis, steps: usize, quiet: bool) -> ProgressBar {

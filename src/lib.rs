@@ -2,7 +2,7 @@
 //!
 //! Data flows one way; each module uses only what stands before it:
 //! `units, error, json, vectors -> case -> model -> element -> assembly, forces, dynamics -> integrate -> analysis ->
-//! results -> plot, report -> cli`.
+//! results -> plot, report -> study -> cli`.
 //!
 //! ```
 //! use rotor::{analysis::modes::modes, case::LoadedCase, model::Model};
@@ -38,6 +38,7 @@ pub mod report;
 pub mod results;
 pub mod run;
 pub mod section;
+pub mod study;
 pub mod support;
 pub mod units;
 pub mod validate;

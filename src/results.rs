@@ -2,9 +2,11 @@
 //! Units are in the field names; `None` stands for "not defined here" (JSON null), never NaN.
 
 mod motion;
+mod tradeoff;
 
 pub use motion::*;
 use serde::Serialize;
+pub use tradeoff::*;
 
 /// A finished analysis with everything its report says.
 #[derive(Debug, Clone, Serialize)]

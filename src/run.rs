@@ -80,7 +80,16 @@ pub fn run(
     let model = Model::new(loaded)?;
     match analysis {
         Analysis::Check => {
-            let report = report(loaded, analysis::check::check(&model)?);
+            let mut outcome = analysis::check::check(&model)?;
+            if let Some(block) = &loaded.case.tradeoff {
+                let points = analysis::tradeoff::count(&block.grid);
+                let words = format!(
+                    "the case has a study of {} over {points} settings: `rotor tradeoff`",
+                    block.analysis.name()
+                );
+                outcome.diagnostics.push(Diagnostic::info("study", words));
+            }
+            let report = report(loaded, outcome);
             finish(&report, Vec::new(), table::check(&report.results))
         }
         Analysis::Modes => {
@@ -158,7 +167,8 @@ fn missing_block(loaded: &LoadedCase, name: &str) -> Error {
     }
 }
 
-fn report<R>(loaded: &LoadedCase, outcome: Outcome<R>) -> Report<R> {
+/// The report of an outcome.
+pub(crate) fn report<R>(loaded: &LoadedCase, outcome: Outcome<R>) -> Report<R> {
     let name = Path::new(&loaded.file).file_name().map(|n| n.to_string_lossy().into_owned());
     Report {
         rotor: env!("CARGO_PKG_VERSION"),
@@ -173,7 +183,8 @@ fn report<R>(loaded: &LoadedCase, outcome: Outcome<R>) -> Report<R> {
     }
 }
 
-fn finish<R: Serialize>(
+/// A finished run of a report, its plots and the table of its results.
+pub(crate) fn finish<R: Serialize>(
     report: &Report<R>,
     plots: Vec<(String, String)>,
     results: String,

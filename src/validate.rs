@@ -1,6 +1,6 @@
 //! `rotor validate`: runs what a case expects and compares.
 
-use crate::case::{Expected, LoadedCase};
+use crate::case::{Expected, Filter, LoadedCase};
 use crate::error::{Error, Result};
 use crate::run::{Analysis, run};
 use serde_json::Value;
@@ -61,7 +61,7 @@ pub fn validate(loaded: &LoadedCase) -> Result<Vec<Comparison>> {
                 reports.len() - 1
             }
         };
-        let found = lookup(&reports[at].2, expected);
+        let found = lookup(&reports[at].2, &expected.path, expected.filter.as_ref());
         let references = numbers(&expected.value);
         let published = expected.published.as_ref().map(optional_numbers).unwrap_or_default();
         for (i, reference) in references.iter().enumerate() {
@@ -89,14 +89,18 @@ fn analysis_of(loaded: &LoadedCase, expected: &Expected, index: usize) -> Result
             path: format!("expected.{index}.analysis"),
             value: name.clone(),
             problem: "no such analysis".to_owned(),
-            allowed: "check, modes, campbell".to_owned(),
+            allowed: "check, modes, campbell, static, spinup".to_owned(),
         }),
     }
 }
 
 /// "bending 1" for the entry that `where` picks, else its place in the list.
 fn entry_name(expected: &Expected, index: usize) -> String {
-    let Some(filter) = &expected.filter else { return index.to_string() };
+    expected.filter.as_ref().map_or(index.to_string(), |filter| filter_name(filter, index))
+}
+
+/// A filter in words: "[bending 1]".
+pub fn filter_name(filter: &Filter, index: usize) -> String {
     let words = filter.fields.values().map(|v| v.as_str().map_or_else(|| v.to_string(), str::to_owned));
     let number = filter.n.unwrap_or(index + 1).to_string();
     format!("[{}]", words.chain([number]).collect::<Vec<_>>().join(" "))
@@ -113,15 +117,14 @@ fn optional_numbers(value: &Value) -> Vec<Option<f64>> {
     }
 }
 
-/// Numbers at a path; `*` stands for the entries of a list, filtered by `where` (and its n-th match).
-fn lookup(report: &Value, expected: &Expected) -> Vec<Option<f64>> {
-    let steps: Vec<&str> = expected.path.split('.').collect();
+/// Numbers of a report at a path; `*` stands for the entries of a list, filtered by `where` (and its n-th match).
+pub fn lookup(report: &Value, path: &str, filter: Option<&Filter>) -> Vec<Option<f64>> {
     let mut values = vec![report];
-    for step in steps {
+    for step in path.split('.') {
         values = values
             .into_iter()
             .flat_map(|value| match (value, step) {
-                (Value::Array(list), "*") => matching(list, expected),
+                (Value::Array(list), "*") => matching(list, filter),
                 (Value::Array(list), _) => {
                     step.parse::<usize>().ok().and_then(|i| list.get(i)).into_iter().collect()
                 }
@@ -133,8 +136,8 @@ fn lookup(report: &Value, expected: &Expected) -> Vec<Option<f64>> {
     values.into_iter().map(Value::as_f64).collect()
 }
 
-fn matching<'a>(list: &'a [Value], expected: &Expected) -> Vec<&'a Value> {
-    let Some(filter) = &expected.filter else { return list.iter().collect() };
+fn matching<'a>(list: &'a [Value], filter: Option<&Filter>) -> Vec<&'a Value> {
+    let Some(filter) = filter else { return list.iter().collect() };
     let fits = |value: &&Value| filter.fields.iter().all(|(key, wanted)| value.get(key) == Some(wanted));
     let all = list.iter().filter(fits);
     match filter.n {

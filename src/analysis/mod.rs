@@ -21,6 +21,7 @@ pub mod state;
 pub mod statics;
 pub mod stiffening;
 pub mod tracking;
+pub mod tradeoff;
 pub mod wall;
 
 use crate::element::structural::AXIAL_POINTS;

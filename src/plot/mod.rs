@@ -6,3 +6,4 @@ pub mod modes;
 pub mod motion;
 pub mod panels;
 pub mod style;
+pub mod tradeoff;

@@ -115,6 +115,14 @@ pub enum Marker {
     Triangle,
     /// Filled square.
     Square,
+    /// Filled square on its corner.
+    Diamond,
+    /// Filled triangle, point down.
+    Downward,
+    /// Two strokes, crossed.
+    Cross,
+    /// Two strokes, upright.
+    Plus,
 }
 
 impl Marker {
@@ -318,6 +326,24 @@ impl Canvas<'_> {
                 self.fill(&[(x - wide, y + tall), (x + wide, y + tall), (x, y - radius * 1.2)], color);
             }
             Marker::Square => self.fill_rect(Rect::around(center, 1.8 * radius, 1.8 * radius), color),
+            Marker::Diamond => {
+                let r = 1.25 * radius;
+                self.fill(&[(x - r, y), (x, y - r), (x + r, y), (x, y + r)], color);
+            }
+            Marker::Downward => {
+                let (wide, tall) = (radius * 1.1, radius * 0.9);
+                self.fill(&[(x - wide, y - tall), (x + wide, y - tall), (x, y + radius * 1.2)], color);
+            }
+            Marker::Cross => {
+                let (r, stroke) = (0.85 * radius, Stroke::solid(color, 0.5 * radius));
+                self.path(&[(x - r, y - r), (x + r, y + r)], stroke);
+                self.path(&[(x - r, y + r), (x + r, y - r)], stroke);
+            }
+            Marker::Plus => {
+                let (r, stroke) = (1.1 * radius, Stroke::solid(color, 0.5 * radius));
+                self.path(&[(x - r, y), (x + r, y)], stroke);
+                self.path(&[(x, y - r), (x, y + r)], stroke);
+            }
         }
     }
 
@@ -551,7 +577,8 @@ pub fn axis_label(quantity: &str, unit: &str, exponent: i32) -> String {
     }
 }
 
-fn superscript(exponent: i32) -> String {
+/// A power in raised digits.
+pub fn superscript(exponent: i32) -> String {
     let raised = |character| match character {
         '-' => '⁻',
         '1' => '¹',

@@ -1,0 +1,432 @@
+//! Cost against error over a grid of settings: the points of the grid, the errors, the front, the choice. It takes
+//! points that someone has measured; it runs nothing.
+
+use crate::case::Grid;
+use crate::results::{
+    Diagnostic, Machine, Tradeoff, TradeoffChoice, TradeoffPoint, TradeoffReference, Trust,
+};
+use serde_json::{Map, Value};
+use std::cmp::Ordering;
+
+/// Settings of a point: values by path.
+pub type Settings = Map<String, Value>;
+
+/// A finer point's error counts as larger from this factor on.
+const CLEARLY: f64 = 1.01;
+
+/// What a run of a point gave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measurement {
+    /// The quantity.
+    pub value: f64,
+    /// Wall times of the runs, s.
+    pub wall_s: Vec<f64>,
+    /// Peak memory, MB.
+    pub peak_memory_mb: Option<f64>,
+    /// Unknowns after constraints.
+    pub degrees_of_freedom: u64,
+    /// Steps of a transient.
+    pub steps: Option<u64>,
+}
+
+/// A point that was run: its measurement, or why there is none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// Its settings.
+    pub settings: Settings,
+    /// What it gave.
+    pub outcome: std::result::Result<Measurement, String>,
+}
+
+/// What the quantity is compared with.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reference {
+    /// A number of the tradeoff block.
+    Number(f64),
+    /// A number that the case expects, and its source.
+    Expected(f64, String),
+    /// The point with the most unknowns.
+    Finest,
+}
+
+/// What a study is about, besides its points.
+#[derive(Debug, Clone)]
+pub struct Subject {
+    /// Analysis of every point.
+    pub analysis: &'static str,
+    /// The quantity, by its place in the report.
+    pub quantity: String,
+    /// Where the times were taken.
+    pub machine: Machine,
+    /// Runs of a point.
+    pub repeats: u32,
+    /// Points at a time.
+    pub points_at_a_time: usize,
+    /// What the quantity is compared with.
+    pub reference: Reference,
+    /// Largest relative error allowed.
+    pub target: Option<f64>,
+}
+
+/// Number of points of a grid, saturating, repeated ones included.
+pub fn count(grid: &Grid) -> usize {
+    let lengths = |axes: &Settings| {
+        axes.values().map(|v| v.as_array().map_or(0, Vec::len)).fold(1, usize::saturating_mul)
+    };
+    grid.products().iter().map(lengths).fold(0, usize::saturating_add)
+}
+
+/// Every combination of a grid's values; the last path varies fastest. Combinations that are there already are left out.
+pub fn expand(grid: &Grid) -> Vec<Settings> {
+    let mut points: Vec<Settings> = Vec::new();
+    for axes in grid.products() {
+        let mut product = vec![Settings::new()];
+        for (path, values) in axes {
+            let values = values.as_array().map_or(&[][..], Vec::as_slice);
+            product = product
+                .into_iter()
+                .flat_map(|point| {
+                    values.iter().map(move |value| {
+                        let mut longer = point.clone();
+                        longer.insert(path.clone(), value.clone());
+                        longer
+                    })
+                })
+                .collect();
+        }
+        for point in product {
+            if !points.contains(&point) {
+                points.push(point);
+            }
+        }
+    }
+    points
+}
+
+/// Names of the points: the values of what varies among them.
+pub fn names(points: &[&Settings]) -> Vec<String> {
+    let mut paths: Vec<&String> = Vec::new();
+    for path in points.iter().flat_map(|point| point.keys()) {
+        if !paths.contains(&path) {
+            paths.push(path);
+        }
+    }
+    paths.retain(|path| points.iter().any(|point| point.get(*path) != points[0].get(*path)));
+    let last = |path: &str| path.rsplit('.').next().unwrap_or_default().to_owned();
+    let word = |path: &str, value: &Value| {
+        let alone = paths.iter().filter(|other| last(other) == last(path)).count() == 1;
+        match (last(path).as_str(), value) {
+            ("elements", value) if alone => format!("{} el.", plain(value)),
+            (_, Value::String(text)) if alone => text.clone(),
+            (key, value) if alone => format!("{key} {}", plain(value)),
+            (_, value) => format!("{path} {}", plain(value)),
+        }
+    };
+    let name = |point: &&Settings| {
+        let words = paths.iter().filter_map(|path| point.get(*path).map(|value| word(path, value)));
+        let words = words.collect::<Vec<_>>().join(", ");
+        if words.is_empty() { "as the case".to_owned() } else { words }
+    };
+    points.iter().map(name).collect()
+}
+
+/// A value in few characters.
+fn plain(value: &Value) -> String {
+    match (value, value.as_f64()) {
+        (Value::String(text), _) => text.clone(),
+        (_, Some(x)) if x != 0.0 && x.abs() < 0.01 => format!("{x:e}"),
+        _ => value.to_string(),
+    }
+}
+
+/// The middle of the values; the mean of the two middle ones of an even number.
+pub fn median(values: &[f64]) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let (half, odd) = (sorted.len() / 2, sorted.len() % 2);
+    match odd {
+        1 => sorted.get(half).copied(),
+        _ => Some((sorted.get(half.checked_sub(1)?)? + sorted.get(half)?) / 2.0),
+    }
+}
+
+/// Compares two values of a setting that refines: `Greater` when `a` is finer. None for settings without order.
+fn fineness(path: &str, a: &Value, b: &Value) -> Option<Ordering> {
+    let size = |value: &Value| match value.as_str() {
+        Some("none") => Some(f64::INFINITY),
+        Some(_) => None,
+        None => value.as_f64(),
+    };
+    let order = size(a)?.partial_cmp(&size(b)?)?;
+    match path.rsplit('.').next()? {
+        "elements" | "reduction" | "axial" => Some(order),
+        "section" if path.starts_with("shaft.quadrature") => Some(order),
+        "rtol" | "atol" | "tolerance" | "step" => Some(order.reverse()),
+        _ => None,
+    }
+}
+
+/// Whether `a` is finer than `b`: all else equal, more elements, points or vectors, or smaller tolerances.
+pub fn is_finer(a: &Settings, b: &Settings) -> bool {
+    let mut finer = false;
+    for (path, value) in a {
+        match b.get(path) {
+            Some(other) if other == value => {}
+            Some(other) => match fineness(path, value, other) {
+                Some(Ordering::Greater) => finer = true,
+                Some(Ordering::Equal) => {}
+                _ => return false,
+            },
+            None => return false,
+        }
+    }
+    finer && a.len() == b.len()
+}
+
+/// Tolerances of a point, for ties of the finest: the product of all, 1 without any.
+fn tolerance(settings: &Settings) -> f64 {
+    let of = |(path, value): (&String, &Value)| {
+        let name = path.rsplit('.').next().unwrap_or_default();
+        if ["rtol", "atol", "tolerance", "step"].contains(&name) { value.as_f64() } else { None }
+    };
+    settings.iter().filter_map(of).product()
+}
+
+/// The finest of the points that have a value: most unknowns, then smallest tolerances, then the last.
+fn finest(points: &[Measured]) -> Option<usize> {
+    let mut best: Option<(usize, u64, f64)> = None;
+    for (index, point) in points.iter().enumerate() {
+        let Ok(found) = &point.outcome else { continue };
+        let (size, tolerance) = (found.degrees_of_freedom, tolerance(&point.settings));
+        if best.is_none_or(|(_, s, t)| size > s || (size == s && tolerance <= t)) {
+            best = Some((index, size, tolerance));
+        }
+    }
+    best.map(|(index, ..)| index)
+}
+
+/// Orders points by time, then unknowns, then place in the grid.
+fn by_cost(points: &[TradeoffPoint], a: usize, b: usize) -> Ordering {
+    let time = |i: usize| points[i].wall_s.unwrap_or(f64::INFINITY);
+    let size = |i: usize| points[i].degrees_of_freedom.unwrap_or(u64::MAX);
+    time(a).total_cmp(&time(b)).then(size(a).cmp(&size(b))).then(a.cmp(&b))
+}
+
+/// Indices of the points that no other point beats in both time and error, by rising time; of points that are equal in
+/// both, the one with fewer unknowns.
+pub fn front(points: &[TradeoffPoint]) -> Vec<usize> {
+    let error = |i: usize| points[i].error.unwrap_or(f64::INFINITY);
+    let mut order: Vec<usize> = (0..points.len()).filter(|&i| points[i].error.is_some()).collect();
+    order.sort_by(|&a, &b| {
+        let time = |i: usize| points[i].wall_s.unwrap_or(f64::INFINITY);
+        time(a).total_cmp(&time(b)).then(error(a).total_cmp(&error(b))).then(by_cost(points, a, b))
+    });
+    let mut least = f64::INFINITY;
+    order.retain(|&i| {
+        let better = error(i) < least;
+        least = least.min(error(i));
+        better
+    });
+    order
+}
+
+/// Indices of the points that are finer than this one and have an error.
+fn finer_points(points: &[TradeoffPoint], of: usize) -> Vec<usize> {
+    (0..points.len())
+        .filter(|&i| points[i].error.is_some() && is_finer(&points[i].settings, &points[of].settings))
+        .collect()
+}
+
+fn trust(points: &[TradeoffPoint], finer: &[usize], target: f64) -> Trust {
+    match finer {
+        [] => Trust::Unconfirmed,
+        _ if finer.iter().all(|&i| points[i].error.is_some_and(|e| e <= target)) => Trust::Confirmed,
+        _ => Trust::Refuted,
+    }
+}
+
+/// The cheapest point within the target: one that finer points confirm before one that has no finer points, and that
+/// before one whose error a finer point shows to be small by luck.
+pub fn choose(points: &[TradeoffPoint], target: f64) -> Option<TradeoffChoice> {
+    let within = (0..points.len()).filter(|&i| points[i].error.is_some_and(|e| e <= target));
+    let judged = within.map(|i| {
+        let finer = finer_points(points, i);
+        (trust(points, &finer, target), i, finer)
+    });
+    let (trust, point, finer) = judged.min_by(|a, b| a.0.cmp(&b.0).then(by_cost(points, a.1, b.1)))?;
+    Some(TradeoffChoice {
+        point,
+        settings: points[point].settings.clone(),
+        error: points[point].error?,
+        wall_s: points[point].wall_s?,
+        trust,
+        finer,
+    })
+}
+
+/// Errors, front and choice of measured points, with remarks; a target out of reach is a remark of level error.
+pub fn tradeoff(subject: &Subject, measured: &[Measured]) -> (Tradeoff, Vec<Diagnostic>) {
+    let reference = reference(&subject.reference, measured);
+    let settings: Vec<&Settings> = measured.iter().map(|m| &m.settings).collect();
+    let mut points: Vec<TradeoffPoint> = Vec::new();
+    for (index, (point, name)) in measured.iter().zip(names(&settings)).enumerate() {
+        let found = point.outcome.as_ref().ok();
+        let error = |found: &Measurement| {
+            let r = reference.value.filter(|r| *r != 0.0 && reference.point != Some(index))?;
+            Some((found.value - r).abs() / r.abs())
+        };
+        points.push(TradeoffPoint {
+            name,
+            settings: point.settings.clone(),
+            value: found.map(|f| f.value),
+            error: found.and_then(error),
+            wall_s: found.and_then(|f| median(&f.wall_s)),
+            runs: found.map_or(0, |f| f.wall_s.len()),
+            peak_memory_mb: found.and_then(|f| f.peak_memory_mb),
+            degrees_of_freedom: found.map(|f| f.degrees_of_freedom),
+            steps: found.and_then(|f| f.steps),
+            pareto: false,
+            finer_is_worse: false,
+            failed: point.outcome.as_ref().err().cloned(),
+        });
+    }
+    for index in 0..points.len() {
+        let worse = |&i: &usize| match (points[i].error, points[index].error) {
+            (Some(finer), Some(own)) => finer > CLEARLY * own,
+            _ => false,
+        };
+        points[index].finer_is_worse = finer_points(&points, index).iter().any(worse);
+    }
+    let front = front(&points);
+    front.iter().for_each(|&i| points[i].pareto = true);
+    let choice = subject.target.and_then(|target| choose(&points, target));
+    let results = Tradeoff {
+        analysis: subject.analysis,
+        quantity: subject.quantity.clone(),
+        machine: subject.machine.clone(),
+        repeats: subject.repeats,
+        points_at_a_time: subject.points_at_a_time,
+        reference,
+        target_error: subject.target,
+        points,
+        front,
+        choice,
+    };
+    let remarks = remarks(&results);
+    (results, remarks)
+}
+
+fn reference(wanted: &Reference, measured: &[Measured]) -> TradeoffReference {
+    let given = |value: f64, kind, source| TradeoffReference {
+        value: Some(value),
+        kind,
+        source,
+        point: None,
+        settings: None,
+    };
+    match wanted {
+        Reference::Number(value) => given(*value, "number", None),
+        Reference::Expected(value, source) => given(*value, "expected", Some(source.clone())),
+        Reference::Finest => {
+            let point = finest(measured);
+            let of = point.map(|i| &measured[i]);
+            TradeoffReference {
+                value: of.and_then(|m| m.outcome.as_ref().ok()).map(|f| f.value),
+                kind: "finest",
+                source: None,
+                point,
+                settings: of.map(|m| m.settings.clone()),
+            }
+        }
+    }
+}
+
+/// What a reader must know about the study.
+fn remarks(results: &Tradeoff) -> Vec<Diagnostic> {
+    let points = &results.points;
+    let name = |i: &usize| points[*i].name.as_str();
+    let mut list = Vec::new();
+    if let Some(index) = results.reference.point {
+        list.push(Diagnostic::info(
+            "reference-excluded",
+            format!("the finest point ({}) is the reference and no part of the comparison", name(&index)),
+        ));
+    }
+    let failed = points.iter().filter(|p| p.failed.is_some()).count();
+    if failed > 0 {
+        list.push(Diagnostic::info(
+            "points-failed",
+            format!("{failed} of {} points have no value, each with its reason", points.len()),
+        ));
+    }
+    let lucky: Vec<&str> = results.front.iter().filter(|i| points[**i].finer_is_worse).map(name).collect();
+    if !lucky.is_empty() {
+        list.push(Diagnostic::warning(
+            "error-by-luck",
+            format!("a finer point has a larger error than these of the front: {}", lucky.join("; ")),
+        ));
+    }
+    if results.points_at_a_time > 1 {
+        list.push(Diagnostic::warning(
+            "times-disturbed",
+            format!("{} points ran at a time: their times disturb each other", results.points_at_a_time),
+        ));
+    }
+    let compared = points.iter().any(|p| p.error.is_some());
+    if !compared {
+        let why = match (points.iter().all(|p| p.failed.is_some()), results.reference.value) {
+            (true, _) => "no point of the grid has a value; the first reason stands in the table",
+            (_, Some(0.0)) => "the reference is zero: no error is relative to it",
+            _ => "only one point has a value, and it is the reference",
+        };
+        list.push(Diagnostic::error("nothing-to-compare", why));
+    }
+    let Some(target) = results.target_error.filter(|_| compared) else { return list };
+    match &results.choice {
+        Some(choice) => list.extend(about_choice(results, choice, target)),
+        None => list.push(out_of_reach(points, target)),
+    }
+    list
+}
+
+/// Whether finer points confirm the choice, and which cheaper points were passed over.
+fn about_choice(results: &Tradeoff, choice: &TradeoffChoice, target: f64) -> Vec<Diagnostic> {
+    let points = &results.points;
+    let mut list = Vec::new();
+    let cheaper = (0..points.len()).filter(|&i| {
+        points[i].error.is_some_and(|e| e <= target) && by_cost(points, i, choice.point) == Ordering::Less
+    });
+    let passed: Vec<&str> = cheaper.map(|i| points[i].name.as_str()).collect();
+    if !passed.is_empty() {
+        list.push(Diagnostic::info(
+            "passed-over",
+            format!("cheaper and within the error, but no finer point confirms them: {}", passed.join("; ")),
+        ));
+    }
+    match choice.trust {
+        Trust::Confirmed => {}
+        Trust::Unconfirmed => list.push(Diagnostic::warning(
+            "choice-unconfirmed",
+            "the grid has no finer point beside the choice: add one that confirms its error",
+        )),
+        Trust::Refuted => list.push(Diagnostic::warning(
+            "choice-by-luck",
+            "a finer point misses the error: the choice may meet it by luck; add finer points to the grid",
+        )),
+    }
+    list
+}
+
+fn out_of_reach(points: &[TradeoffPoint], target: f64) -> Diagnostic {
+    let error = |i: &usize| points[*i].error.unwrap_or(f64::INFINITY);
+    let least = (0..points.len()).min_by(|a, b| error(a).total_cmp(&error(b)));
+    let reached =
+        least.map_or(String::new(), |i| format!("; the least is {:.2e}, with {}", error(&i), points[i].name));
+    Diagnostic::error(
+        "error-out-of-reach",
+        format!(
+            "no point of the grid has an error of {target:e} or less{reached}. Refine the grid (more elements, another \
+             element, smaller tolerances), take a reference that belongs to the model, or allow a larger error"
+        ),
+    )
+}
