@@ -25,7 +25,7 @@ pub mod tradeoff;
 pub mod wall;
 
 use crate::element::structural::AXIAL_POINTS;
-use crate::model::{Hub, Law, Model};
+use crate::model::{Hub, Law, Model, Quadrature};
 use crate::results::{Diagnostic, ModelSummary};
 
 /// Results with what was modelled and the remarks of the run.
@@ -108,6 +108,12 @@ fn ignored_input(model: &Model) -> Vec<Diagnostic> {
     }
     if model.has_loads() {
         list.push(Diagnostic::info("loads-ignored", "loads do not act in this linear analysis"));
+    }
+    if model.quadrature != Quadrature::EXACT {
+        list.push(Diagnostic::info(
+            "quadrature-ignored",
+            "linear analyses integrate exactly: shaft.quadrature acts in static and spinup only",
+        ));
     }
     if !model.probes.is_empty() {
         list.push(Diagnostic::info(

@@ -15,13 +15,15 @@ const FRAME_HEIGHT: f64 = 520.0;
 /// Room for the axes' labels.
 const LEFT: f64 = 96.0;
 const BELOW: f64 = 70.0;
-const LEGEND_COLUMNS: usize = 4;
+const LEGEND_COLUMNS: usize = 3;
 /// Most points of a front that are named.
 const NAMED: usize = 16;
 /// Height that a name takes, and its distance from its point.
 const NAME_HEIGHT: f64 = 16.0;
 const NAME_BELOW: f64 = 13.0;
 const NAME_BESIDE: f64 = 7.0;
+/// The name of the choice is bold.
+const BOLD_WIDER: f64 = 1.12;
 /// Errors below this are rounding.
 const LEAST_ERROR: f64 = 1e-15;
 
@@ -133,7 +135,10 @@ fn legend(results: &Tradeoff, groups: &[String]) -> Vec<(Sample, String)> {
         .map(|(k, name)| (Sample::Marker(MARKERS[k % MARKERS.len()], style::BLACK), name.clone()))
         .collect();
     if !results.front.is_empty() {
-        list.push((Sample::Stroke(FRONT_LINE), "Pareto front (dark marks)".to_owned()));
+        let shared = shared_words(results);
+        let all =
+            if shared.is_empty() { "dark marks".to_owned() } else { format!("all {}", shared.join(", ")) };
+        list.push((Sample::Stroke(FRONT_LINE), format!("Pareto front ({all})")));
     }
     if let Some(target) = results.target_error {
         list.push((Sample::Stroke(TARGET_LINE), format!("error asked for: {target:e}")));
@@ -149,6 +154,7 @@ fn layout(
     frame: Rect,
     spots: &[Spot<'_>],
     named: &[&Spot<'_>],
+    labels: &[String],
     target: Option<f64>,
 ) -> (Scale, Scale, Vec<Rect>) {
     let bounds = |values: &mut dyn Iterator<Item = f64>| {
@@ -160,8 +166,8 @@ fn layout(
     };
     let x = bounds(&mut spots.iter().map(|s| s.at.0));
     let y = bounds(&mut spots.iter().map(|s| s.at.1).chain(target.map(f64::log10)));
-    let widths: Vec<f64> =
-        named.iter().map(|s| style::text_width(&name(s.point), style::SMALL_SIZE)).collect();
+    let width = |label: &String| BOLD_WIDER * style::text_width(label, style::SMALL_SIZE);
+    let widths: Vec<f64> = labels.iter().map(width).collect();
     let (mut left, mut below) = (20.0_f64, 24.0_f64);
     let scales = |left: f64, below: f64| {
         let across = Scale { low: x.0, high: x.1, start: frame.left + left, end: frame.right - 20.0 };
@@ -209,8 +215,21 @@ fn names(across: &Scale, up: &Scale, named: &[&Spot<'_>], widths: &[f64]) -> Vec
     placed
 }
 
-fn name(point: &TradeoffPoint) -> String {
-    style::shorten(&point.name, style::SMALL_SIZE, 330.0)
+/// The words that all points of the front share, if they have others too.
+fn shared_words(results: &Tradeoff) -> Vec<&str> {
+    let words = |i: &usize| results.points[*i].name.split(", ").collect::<Vec<_>>();
+    let Some((first, rest)) = results.front.split_first() else { return Vec::new() };
+    let mut shared = words(first);
+    shared.retain(|word| rest.iter().all(|i| words(i).contains(word)));
+    let all = results.front.iter().any(|i| words(i).len() == shared.len());
+    if rest.is_empty() || all { Vec::new() } else { shared }
+}
+
+/// The name of a point without the words that stand in the legend.
+fn label_of(point: &TradeoffPoint, shared: &[&str]) -> String {
+    let words: Vec<&str> = point.name.split(", ").filter(|word| !shared.contains(word)).collect();
+    let star = if point.finer_is_worse { "*" } else { "" };
+    style::shorten(&words.join(", "), style::SMALL_SIZE, 330.0) + star
 }
 
 fn paint(canvas: &mut Canvas, frame: Rect, results: &Tradeoff, spots: &[Spot<'_>]) {
@@ -218,7 +237,9 @@ fn paint(canvas: &mut Canvas, frame: Rect, results: &Tradeoff, spots: &[Spot<'_>
         results.front.iter().filter_map(|&i| spots.iter().find(|s| s.index == i)).collect();
     let every = front.len().div_ceil(NAMED).max(1);
     let named: Vec<&Spot<'_>> = front.iter().copied().step_by(every).collect();
-    let (across, up, boxes) = layout(frame, spots, &named, results.target_error);
+    let shared = shared_words(results);
+    let labels: Vec<String> = named.iter().map(|s| label_of(s.point, &shared)).collect();
+    let (across, up, boxes) = layout(frame, spots, &named, &labels, results.target_error);
     let pixel = |spot: &Spot<'_>| (across.pixel(spot.at.0), up.pixel(spot.at.1));
     decades(canvas, frame, across, false, "Wall time", "s");
     decades(canvas, frame, up, true, "Relative error", "–");
@@ -252,16 +273,11 @@ fn paint(canvas: &mut Canvas, frame: Rect, results: &Tradeoff, spots: &[Spot<'_>
         canvas.ring(pixel(spot), 9.0, style::VERMILLION, 2.2);
         canvas.marker(pixel(spot), spot.marker, 5.0, if spot.point.pareto { FRONT } else { style::BLACK });
     }
-    for (spot, place) in named.iter().zip(&boxes) {
+    for ((spot, place), label) in named.iter().zip(&boxes).zip(&labels) {
         canvas.fill_rect(*place, style::WHITE);
         let font = Font::new(style::SMALL_SIZE);
         let font = if Some(spot.index) == chosen { font.bold() } else { font };
-        canvas.text(
-            (place.right, place.center().1),
-            &name(spot.point),
-            font.color(style::BLACK),
-            HPos::Right,
-        );
+        canvas.text((place.right, place.center().1), label, font, HPos::Right);
     }
 }
 
@@ -335,6 +351,9 @@ fn remarks(report: &Report<Tradeoff>) -> String {
     if failed > 0 {
         words.push(format!("Points without a value: {failed}."));
     }
+    if results.front.iter().any(|&i| results.points[i].finer_is_worse) {
+        words.push("* A finer point has a larger error.".to_owned());
+    }
     if results.points.iter().any(|p| p.error.is_some_and(|e| e < LEAST_ERROR)) {
         words.push(format!("Errors below {LEAST_ERROR:e} are drawn there."));
     }
@@ -354,11 +373,14 @@ fn content(results: &Tradeoff) -> String {
         n => format!(" ({n} points at a time)"),
     };
     format!(
-        "{} of {}; reference {reference} ({}). Median wall time of {} runs on one thread{at_a_time}, {}.",
+        "{} of {}; reference {reference} ({}). Wall time {} on one thread{at_a_time}, {}.",
         results.quantity,
         results.analysis,
         results.reference.kind,
-        results.repeats,
+        match results.repeats {
+            1 => "of one run".to_owned(),
+            n => format!("(median of {n} runs)"),
+        },
         results.machine.processor
     )
 }

@@ -239,7 +239,7 @@ pub fn spinup(results: &Spinup) -> String {
 pub fn tradeoff(results: &Tradeoff) -> String {
     let reference = &results.reference;
     let mut text = format!(
-        "  {} of {}, reference {} ({}{})\n  times on {}, median of {} runs (one where it takes more than 10 s)\n\n",
+        "  {} of {}, reference {} ({}{})\n  times on {}, {}\n\n",
         results.quantity,
         results.analysis,
         reference.value.map_or("-".to_owned(), |v| format!("{v:.9e}")),
@@ -250,7 +250,10 @@ pub fn tradeoff(results: &Tradeoff) -> String {
         },
         reference.source.as_ref().map_or(String::new(), |s| format!(": {s}")),
         results.machine.processor,
-        results.repeats,
+        match results.repeats {
+            1 => "one run each".to_owned(),
+            n => format!("median of {n} runs (one where it takes more than 10 s)"),
+        },
     );
     let chosen = results.choice.as_ref().map(|c| c.point);
     let row = |i: usize| tradeoff_row(&results.points[i], chosen == Some(i), reference.point == Some(i));

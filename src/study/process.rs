@@ -121,8 +121,9 @@ fn end(child: &mut Child) {
 /// The message of a run that failed, in one line, about the user's file.
 fn reason(words: &str, temporary: &str, file: &str) -> String {
     let words = words.replace(temporary, file);
-    let lines: Vec<&str> = words.split_whitespace().collect();
-    let line = lines.join(" ");
+    let in_one = |line: &str| line.split_whitespace().collect::<Vec<_>>().join(" ");
+    let lines: Vec<String> = words.lines().map(in_one).filter(|line| !line.is_empty()).collect();
+    let line = lines.join("; ");
     let line = line.strip_prefix("error: ").unwrap_or(&line);
     if line.is_empty() { "it failed without a word".to_owned() } else { line.to_owned() }
 }
@@ -191,7 +192,7 @@ mod tests {
         let words = "error: /tmp/x/case.json: at `shaft`: wrong\n  found:   1\n  allowed: 2\n";
         assert_eq!(
             reason(words, "/tmp/x/case.json", "a.json"),
-            "a.json: at `shaft`: wrong found: 1 allowed: 2"
+            "a.json: at `shaft`: wrong; found: 1; allowed: 2"
         );
     }
 

@@ -53,6 +53,7 @@ fn help_names_every_command_with_examples() {
         "campbell",
         "static",
         "spinup",
+        "tradeoff",
         "matrices",
         "validate",
         "schema",

@@ -16,3 +16,4 @@ mod ring;
 mod scale;
 mod spinup;
 mod structural;
+mod tradeoff;

@@ -2,7 +2,7 @@
 
 mod data;
 
-use rotor::plot::{campbell, modes, style};
+use rotor::plot::{campbell, modes, style, tradeoff};
 use rotor::results::*;
 
 /// A text and the box it takes: left, top, right, bottom.
@@ -282,4 +282,65 @@ fn curves_keep_fractions_of_a_pixel() {
     let root = document.root_element();
     let shown: f64 = root.attribute("width").unwrap().parse().unwrap();
     assert!(root.attribute("viewBox").unwrap().starts_with(&format!("0 0 {} ", shown * style::SCALE)));
+}
+
+/// A study of `members` elements on `meshes` meshes, and whether the errors crowd together.
+fn study(members: usize, meshes: usize, crowded: bool, target: Option<f64>) -> Report<Tradeoff> {
+    use rotor::analysis::tradeoff::{Measured, Measurement, Reference, Subject, tradeoff};
+    let mut points = Vec::new();
+    for member in 0..members {
+        for mesh in 0..meshes {
+            let (member, mesh) = (member as f64, mesh as f64);
+            let (time, fall) = if crowded { (0.02 * mesh, 0.05) } else { (mesh, 1.5) };
+            let error = (-2.0 - fall * mesh - 0.3 * member).exp();
+            let settings = serde_json::json!({
+                "shaft.element": format!("34X{member}"),
+                "shaft.segments.0.elements": (mesh as u64 + 1),
+                "spinup.integrator": "implicit",
+                "spinup.frame": "rotating"
+            });
+            let measurement = Measurement {
+                value: 2.0 * (1.0 + error),
+                wall_s: vec![0.01 * (time + 0.4 * member).exp()],
+                peak_memory_mb: None,
+                degrees_of_freedom: 100 * mesh as u64,
+                steps: None,
+            };
+            let settings = settings.as_object().expect("settings").clone();
+            points.push(Measured { settings, outcome: Ok(measurement) });
+        }
+    }
+    let subject = Subject {
+        analysis: "spinup",
+        quantity: "results.final.growth_m.0".to_owned(),
+        machine: Machine { processor: "A processor".to_owned(), cores: 2 },
+        repeats: 3,
+        points_at_a_time: 1,
+        reference: Reference::Number(2.0),
+        target,
+    };
+    let (results, diagnostics) = tradeoff(&subject, &points);
+    let mut report = data::report("A study", results);
+    report.diagnostics = diagnostics;
+    report
+}
+
+#[test]
+fn studies_name_their_front_without_overlaps() {
+    for (members, meshes, crowded) in
+        [(7, 6, false), (9, 5, true), (3, 40, true), (1, 40, false), (1, 1, false), (2, 1, true)]
+    {
+        for target in [None, Some(1e-3), Some(0.5), Some(1e-30)] {
+            let report = study(members, meshes, crowded, target);
+            let svg = tradeoff::svg(&report).expect("a figure");
+            let labels = labels(&svg);
+            do_not_overlap(&labels);
+            let has = |words: &str| labels.iter().any(|(text, _)| text.contains(words));
+            assert!(has("Wall time (s)") && has("Relative error") && has("34X0"), "{labels:?}");
+            assert_eq!(has("error asked for"), target.is_some());
+            assert_eq!(has("chosen"), report.results.choice.is_some());
+        }
+    }
+    let empty = tradeoff::svg(&study(0, 0, false, None)).expect("a figure");
+    assert!(checked(&empty).iter().any(|text| text == "No point has an error to draw."));
 }
