@@ -140,7 +140,10 @@ fn with(loaded: &LoadedCase, analysis: &str, settings: &Settings) -> Result<Load
             return Err(grid_fault(loaded, path, value, why, "paths of what the analysis computes with"));
         }
     }
-    let Err(whole) = loaded.with(settings) else { return loaded.with(settings) };
+    let whole = match loaded.with(settings) {
+        Ok(changed) => return Ok(changed),
+        Err(error) => error,
+    };
     // the path that is wrong on its own, else the first of the combination
     for (path, value) in settings {
         let alone = Settings::from_iter([(path.clone(), value.clone())]);

@@ -182,7 +182,7 @@ impl<'de> Deserialize<'de> for Grid {
         let axes = |value: Value| match value {
             Value::Object(axes) if axes.is_empty() => Err(fault("nothing is varied".to_owned())),
             Value::Object(axes) => {
-                match axes.iter().find(|(_, v)| !v.as_array().is_some_and(|l| !l.is_empty())) {
+                match axes.iter().find(|(_, v)| v.as_array().is_none_or(|l| l.is_empty())) {
                     Some((path, _)) => Err(fault(format!("the values of \"{path}\" are no list, or none"))),
                     None => Ok(axes),
                 }
