@@ -51,9 +51,8 @@ fn summary(model: &Model, degrees_of_freedom: usize, mass_kg: f64) -> ModelSumma
     }
     modelled.push(format!("elements {}", members.join(", ")));
     if !model.disks.is_empty() {
-        let rigid = model.disks.iter().filter(|d| d.hub == Hub::Rigid).count();
-        let soft = model.disks.len() - rigid;
-        let hubs = [(rigid, "rigid"), (soft, "soft")];
+        let with = |hub: Hub| (model.disks.iter().filter(|d| d.hub == hub).count(), hub.name());
+        let hubs = [Hub::Rigid, Hub::Soft, Hub::Bore, Hub::Rim].map(with);
         let hubs: Vec<String> =
             hubs.iter().filter(|(n, _)| *n > 0).map(|(n, name)| format!("{n} with {name} hub")).collect();
         modelled.push(format!("disks ({})", hubs.join(", ")));

@@ -10,6 +10,7 @@ pub mod continuum;
 pub mod fields;
 pub mod inertia;
 pub mod nonlinear;
+pub mod outline;
 pub mod quadrature;
 pub mod ring;
 pub mod ring_forces;
