@@ -52,7 +52,7 @@ pub struct Batch {
 
 impl Batch {
     /// Length of the list.
-    pub fn len(&self) -> usize {
+    pub fn length(&self) -> usize {
         self.ends[2]
     }
 
@@ -85,21 +85,36 @@ pub struct Expansion {
     axial: [Vec<f64>; 3],
     /// Moments at the nodes.
     at_nodes: usize,
-    /// First component at the nodes and factor, for all pairs of vectors `k >= l`, by l, then k.
+    /// First component at the nodes and factor, for all pairs of vectors.
     terms: Vec<(usize, f64)>,
-    /// For each such pair, where the five kinds of terms end.
-    ends: Vec<[usize; 5]>,
-    /// First of these pairs for each l.
+    /// The pairs, those that share moments next to each other.
+    pairs: Vec<Pair>,
+    /// Ends of the groups of pairs that share moments.
+    groups: Vec<usize>,
+    /// Place of the first pair `k >= l` of each l among the stiffnesses.
     starts: Vec<usize>,
+}
+
+/// A pair of vectors.
+#[derive(Debug, Clone)]
+struct Pair {
+    /// Place of its stiffness.
+    place: usize,
+    /// First of its terms.
+    start: usize,
+    /// Where its five kinds of terms end.
+    ends: [usize; 5],
 }
 
 impl Expansion {
     /// Tables for lists with so many moments for each pair of directions; `terms` of vectors k and l with
-    /// derivatives in two directions (the moments are those of their pair in [`PAIRS`]).
+    /// derivatives in two directions (the moments are those of their pair in [`PAIRS`]). Pairs of vectors of one
+    /// `group` share moments: one after the other they find them in the nearest cache.
     pub fn new(
         stations: &Stations,
         n_vectors: usize,
         lists: &[[usize; 6]],
+        group: impl Fn([usize; 2]) -> usize,
         terms: impl Fn([usize; 2], (usize, usize)) -> Vec<Term>,
     ) -> Self {
         let mut start = 0;
@@ -114,28 +129,42 @@ impl Expansion {
                 *end = at;
             }
             let batch = Batch { first, ends, start };
-            start += batch.len() + batch.exchanged();
+            start += batch.length() + batch.exchanged();
             batch
         };
         let batches: Vec<Batch> = lists.iter().map(of_list).collect();
-        let (mut list, mut ends, mut starts) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut sorted, mut starts) = (Vec::new(), Vec::new());
         for l in 0..n_vectors {
-            starts.push(ends.len());
+            starts.push(sorted.len());
             for k in l..n_vectors {
-                ends.push([0, 1, 2, 3, 4].map(|kind| {
-                    for &(alpha, beta) in KINDS[kind] {
-                        let pair = place(alpha, beta);
-                        list.extend(terms([k, l], (alpha, beta)).into_iter().map(|term| {
-                            let batch = &batches[term.batch];
-                            let second = if kind == 4 { batch.exchanged() } else { 0 };
-                            let at = batch.start + batch.first[pair] + components(pair) * term.at;
-                            (at + second, term.factor)
-                        }));
-                    }
-                    list.len()
-                }));
+                sorted.push((group([k, l]), sorted.len(), [k, l]));
             }
         }
+        sorted.sort_by_key(|(group, ..)| *group);
+        let groups = sorted.chunk_by(|a, b| a.0 == b.0).map(<[_]>::len);
+        let groups = groups.scan(0, |end, length| {
+            *end += length;
+            Some(*end)
+        });
+        let groups: Vec<usize> = groups.collect();
+        let mut list = Vec::new();
+        let of_pair = |(_, place, [k, l]): (usize, usize, [usize; 2])| {
+            let start = list.len();
+            let ends = KINDS.map(|kind| {
+                for &(alpha, beta) in kind {
+                    let pair = self::place(alpha, beta);
+                    list.extend(terms([k, l], (alpha, beta)).into_iter().map(|term| {
+                        let batch = &batches[term.batch];
+                        let second = if beta == 0 && alpha > 0 { batch.exchanged() } else { 0 };
+                        let at = batch.start + batch.first[pair] + components(pair) * term.at;
+                        (at + second, term.factor)
+                    }));
+                }
+                list.len()
+            });
+            Pair { place, start, ends }
+        };
+        let pairs = sorted.into_iter().map(of_pair).collect();
         Self {
             n_nodes: stations.n_nodes(),
             n_vectors,
@@ -144,7 +173,8 @@ impl Expansion {
             axial: [(true, true), (false, false), (true, false)].map(|(a, b)| stations.node_pairs(a, b)),
             at_nodes: start,
             terms: list,
-            ends,
+            pairs,
+            groups,
             starts,
         }
     }
@@ -156,7 +186,7 @@ impl Expansion {
 
     /// Numbers that hold the stiffness of all pairs of vectors.
     pub fn stiffness_size(&self) -> usize {
-        STIFFNESS * self.ends.len()
+        STIFFNESS * self.pairs.len()
     }
 
     /// Integrals of a list of moments along the axis for all pairs of nodes. Of every batch of stations there is one
@@ -171,7 +201,7 @@ impl Expansion {
     ) {
         let batch = &self.batches[list];
         let at_nodes =
-            &mut at_nodes[NODE_PAIRS * batch.start..][..NODE_PAIRS * (batch.len() + batch.exchanged())];
+            &mut at_nodes[NODE_PAIRS * batch.start..][..NODE_PAIRS * (batch.length() + batch.exchanged())];
         let mut start = 0;
         for (axial, end) in self.axial.iter().zip(batch.ends) {
             let axial = S::as_simd_f64s(axial).0;
@@ -179,7 +209,7 @@ impl Expansion {
                 let moments = &at_stations[at * S::F64_LANES..];
                 let target = S::as_mut_simd_f64s(&mut at_nodes[NODE_PAIRS * at..][..NODE_PAIRS * BLOCK]).0;
                 for v in (0..NODE_PAIRS / S::F64_LANES).step_by(2) {
-                    self.axis_block(simd, moments, batch.len(), axial, target, v);
+                    self.axis_block(simd, moments, batch.length(), axial, target, v);
                 }
             }
             start = end;
@@ -228,24 +258,26 @@ impl Expansion {
     /// The stiffness of all pairs of vectors `k >= l`: `[3 i + j][pair of nodes]`.
     #[inline(always)]
     pub(super) fn stiffness<S: Simd>(&self, simd: S, at_nodes: &[S::f64s], stiffness: &mut [S::f64s]) {
-        let stride = NODE_PAIRS / S::F64_LANES;
-        let mut start = 0;
-        for (ends, target) in self.ends.iter().zip(stiffness.chunks_exact_mut(STIFFNESS / S::F64_LANES)) {
+        let (stride, terms, mut from) = (NODE_PAIRS / S::F64_LANES, &self.terms, 0);
+        for &to in &self.groups {
             for v in 0..stride {
-                let (at_nodes, terms) = (&at_nodes[v..], &self.terms);
-                let mut six = [simd.splat_f64s(0.0); 6];
-                add_terms(simd, &terms[start..ends[0]], at_nodes, stride, &IN_ORDER, &mut six);
-                // the six 00 11 22 01 02 12 by rows
-                let mut nine = [six[0], six[3], six[4], six[3], six[1], six[5], six[4], six[5], six[2]];
-                add_terms(simd, &terms[ends[0]..ends[1]], at_nodes, stride, &IN_ORDER, &mut nine);
-                add_terms(simd, &terms[ends[1]..ends[2]], at_nodes, stride, &TRANSPOSED, &mut nine);
-                add_terms(simd, &terms[ends[2]..ends[3]], at_nodes, stride, &IN_ORDER, &mut nine);
-                add_terms(simd, &terms[ends[3]..ends[4]], at_nodes, stride, &TRANSPOSED, &mut nine);
-                for k in 0..9 {
-                    target[k * stride + v] = nine[k];
+                let at_nodes = &at_nodes[v..];
+                for Pair { place, start, ends } in &self.pairs[from..to] {
+                    let mut six = [simd.splat_f64s(0.0); 6];
+                    add_terms(simd, &terms[*start..ends[0]], at_nodes, stride, &IN_ORDER, &mut six);
+                    // the six 00 11 22 01 02 12 by rows
+                    let mut nine = [six[0], six[3], six[4], six[3], six[1], six[5], six[4], six[5], six[2]];
+                    add_terms(simd, &terms[ends[0]..ends[1]], at_nodes, stride, &IN_ORDER, &mut nine);
+                    add_terms(simd, &terms[ends[1]..ends[2]], at_nodes, stride, &TRANSPOSED, &mut nine);
+                    add_terms(simd, &terms[ends[2]..ends[3]], at_nodes, stride, &IN_ORDER, &mut nine);
+                    add_terms(simd, &terms[ends[3]..ends[4]], at_nodes, stride, &TRANSPOSED, &mut nine);
+                    let target = &mut stiffness[place * 9 * stride..][..9 * stride];
+                    for k in 0..9 {
+                        target[k * stride + v] = nine[k];
+                    }
                 }
             }
-            start = ends[4];
+            from = to;
         }
     }
 

@@ -87,6 +87,10 @@ impl Tables {
     pub fn new(order: usize, classes: &[Class; 4], vectors: &[Roles], stations: &Stations) -> Self {
         let list = exponents(2 * order);
         let fields = (count(order), count(order - 1));
+        let parities = |[k, l]: [usize; 2]| {
+            let [a, b] = [list[k].0 + list[l].0, list[k].1 + list[l].1];
+            2 * (a % 2) + b % 2
+        };
         let terms = |[k, l]: [usize; 2], (alpha, beta): (usize, usize)| {
             let (Some((e, left)), Some((f, right))) = (vectors[k][alpha], vectors[l][beta]) else {
                 return Vec::new();
@@ -104,6 +108,7 @@ impl Tables {
                 stations,
                 vectors.len(),
                 &classes.each_ref().map(|class| DEGREE.map(|degree| class.counts[degree])),
+                parities,
                 terms,
             ),
         }
@@ -125,7 +130,7 @@ impl WithSimd for Tangent<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { element, q, geometric, scratch } = self;
         let expansion = &element.tangent.expansion;
-        let of_class = expansion.batches.iter().map(|batch| batch.len()).max().unwrap_or(0);
+        let of_class = expansion.batches.iter().map(|batch| batch.length()).max().unwrap_or(0);
         let batches = element.stations.count.div_ceil(S::F64_LANES);
         let (monomials, largest) = (element.fields.iter().sum::<usize>(), element.classes[0].places.len());
         let vectors = batches * (3 * monomials + of_class) + WORK * largest;
@@ -139,7 +144,7 @@ impl WithSimd for Tangent<'_> {
             element.gradient(simd, q, batch, f);
         }
         for c in 0..4 {
-            let length = expansion.batches[c].len();
+            let length = expansion.batches[c].length();
             for (f, moments) in f.chunks_exact(monomials).zip(at_stations.chunks_exact_mut(length)) {
                 element.tangent_moments(simd, c, element.columns(f), geometric, pool, moments);
             }

@@ -144,15 +144,12 @@ impl RingElement {
         let directions = directions(&ring, round, degree, harmonics);
         let vectors = vectors(&ring, round, (degree, harmonics), reference_length, &directions);
         // four factors F
-        let angles = Angles::new(
-            4 * directions[1].harmonics + 1,
-            directions[0].harmonics.max(2 * directions[1].harmonics),
-        );
+        let around = 4 * directions[1].harmonics + 1;
+        let angles = Angles::new(around, 2 * directions[1].harmonics);
         let mut products = [0; 7];
         for (p, (a, b)) in PAIRS.into_iter().enumerate() {
             products[p + 1] = products[p] + directions[a].count + directions[b].count - 1;
         }
-        let around = 4 * directions[1].harmonics + 1;
         let weight = ring.outer[0] * ring.outer[1] * 2.0 * PI / around as f64;
         let points = quadrature.section.unwrap_or(ring.points(4 * degree + 2, ROUNDING));
         let rule = ring.across(points);

@@ -31,6 +31,12 @@ impl Tables {
         for p in 0..6 {
             entries[p + 1] = entries[p] + components(p) * length(p);
         }
+        // by the waves of the displacement
+        let waves = |pair: [usize; 2]| {
+            let [(m, a), (n, b)] = pair.map(|k| number(&directions[0], vectors[k][0][0].wave));
+            let (lower, upper) = (m.min(n), m.max(n));
+            2 * ((directions[0].harmonics + 1) * upper + lower) + usize::from(a != b)
+        };
         let terms = |[k, l]: [usize; 2], (alpha, beta): (usize, usize)| {
             let p = place(alpha, beta);
             let mut terms: Vec<Term> = Vec::new();
@@ -53,7 +59,7 @@ impl Tables {
             terms
         };
         let counts = [0, 1, 2, 3, 4, 5].map(|p| (2 * harmonics(p) + 1) * length(p));
-        Self { entries, expansion: Expansion::new(stations, vectors.len(), &[counts], terms) }
+        Self { entries, expansion: Expansion::new(stations, vectors.len(), &[counts], waves, terms) }
     }
 }
 
@@ -90,7 +96,8 @@ impl WithSimd for Tangent<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { element, q, geometric, scratch } = self;
         let Tables { entries, expansion } = &element.tangent;
-        let (length, angles, n) = (expansion.batches[0].len(), element.angles.count, element.coefficients());
+        let (length, angles, n) =
+            (expansion.batches[0].length(), element.angles.count, element.coefficients());
         let batches = element.stations.count.div_ceil(S::F64_LANES);
         let normal = element.products[3];
         let vectors =
