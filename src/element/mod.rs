@@ -7,8 +7,10 @@
 
 pub mod basis;
 pub mod continuum;
+pub mod expansion;
 pub mod fields;
 pub mod inertia;
+pub mod lanes;
 pub mod nonlinear;
 pub mod outline;
 pub mod quadrature;

@@ -10,7 +10,8 @@ use rotor::assembly::Assembly;
 use rotor::case::LoadedCase;
 use rotor::element::ElementMatrices;
 use rotor::element::basis::{SectionProducts, rotation_matrix};
-use rotor::element::ring_forces::{RingElement, RingScratch};
+use rotor::element::lanes::Scratch;
+use rotor::element::ring_forces::RingElement;
 use rotor::model::{ElementKind, Law, Material, Quadrature};
 use rotor::results::{Mode, ModeKind};
 use rotor::section::Section;
@@ -134,14 +135,14 @@ fn deformed(kind: ElementKind) -> Vec<f64> {
 
 fn force(element: &RingElement, q: &[f64]) -> (f64, Vec<f64>) {
     let mut f = vec![0.0; q.len()];
-    let energy = element.internal_force(q, None, &mut f, &mut RingScratch::default());
+    let energy = element.internal_force(q, None, &mut f, &mut Scratch::default());
     (energy, f)
 }
 
 fn tangent(element: &RingElement, q: &[f64]) -> Mat<f64> {
     let n = q.len();
     let mut k = vec![0.0; n * n];
-    element.tangent(q, &mut k, &mut RingScratch::default());
+    element.tangent(q, &mut k, &mut Scratch::default());
     Mat::from_fn(n, n, |i, j| k[j * n + i])
 }
 
@@ -235,9 +236,9 @@ fn material_damping_is_the_rate_of_the_force() {
         let velocity: Vec<f64> = (0..q.len()).map(|i| (0.4 * i as f64).sin()).collect();
         let (_, elastic) = force(&element, &q);
         let mut f = vec![0.0; q.len()];
-        element.internal_force(&q, Some(&velocity), &mut f, &mut RingScratch::default());
+        element.internal_force(&q, Some(&velocity), &mut f, &mut Scratch::default());
         let mut k = vec![0.0; q.len() * q.len()];
-        element.material_tangent(&q, &mut k, &mut RingScratch::default());
+        element.material_tangent(&q, &mut k, &mut Scratch::default());
         let viscous: Vec<f64> = f.iter().zip(&elastic).map(|(a, b)| a - b).collect();
         let expected: Vec<f64> = (0..q.len())
             .map(|i| {
