@@ -447,7 +447,8 @@ fn lame([a, b]: [f64; 2], [inside, outside]: [f64; 2], r: f64) -> [f64; 3] {
     [r / 2.1e11 * (0.7 * mean + 1.3 * rest), mean - rest, mean + rest]
 }
 
-/// Pressure in and on a tube against Lame: displacement at bore and rim, stresses through the wall.
+/// Pressure in and on a tube against Lame, strains of 1e-6 so that finite displacements do not show: displacement at
+/// bore and rim, stresses through the wall.
 #[test]
 fn pressures_meet_lame() {
     let rows = [
@@ -458,10 +459,11 @@ fn pressures_meet_lame() {
         ("34R33", 0.1, 8e-4, 1e-1),
         ("34R43", 0.1, 5e-5, 2.5e-2),
         ("34R63", 0.1, 1e-5, 1e-3),
-        ("34R23", 0.19, 1e-5, 1e-3),
+        ("34R23", 0.19, 1e-5, 1.5e-3),
+        ("34R33", 0.19, 1e-5, 1e-4),
     ];
     for (element, bore, displacement, stress) in rows {
-        for [inside, outside] in [[1e5, 0.0], [0.0, 1e5], [3e5, 1e5]] {
+        for [inside, outside] in [[1e4, 0.0], [0.0, 1e4], [3e4, 1e4]] {
             let more = json!({
                 "shaft": { "element": element },
                 "supports": [{ "at": 0, "kind": "revolute" }, { "at": 1, "kind": "cylindrical" }],
@@ -470,7 +472,8 @@ fn pressures_meet_lame() {
             });
             let found = statics(&shaft(tube(0.2, bore), 1.0, 2, more));
             let points = &found.probes[0].points;
-            let peak = lame([bore, 0.2], [inside, outside], bore)[2].abs();
+            let [_, radial, hoop] = lame([bore, 0.2], [inside, outside], bore);
+            let peak = radial.abs().max(hoop.abs());
             let mut errors = [0.0f64; 2];
             for (i, p) in points.iter().enumerate() {
                 let [u, radial, hoop] = lame([bore, 0.2], [inside, outside], p.y_m);
