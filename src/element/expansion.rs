@@ -15,7 +15,7 @@ pub const NODE_PAIRS: usize = NODES * NODES;
 const STIFFNESS: usize = 9 * NODE_PAIRS;
 /// Moments that are integrated along the axis together: with two registers of node pairs each they fit 16 registers.
 const BLOCK: usize = 6;
-/// Components of nine as they are, and of the transpose.
+/// Components as they come.
 const IN_ORDER: [usize; 9] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
 /// Components ji of nine by rows.
 pub const TRANSPOSED: [usize; 9] = [0, 3, 6, 1, 4, 7, 2, 5, 8];

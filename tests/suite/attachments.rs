@@ -108,8 +108,9 @@ fn weights_are_means_over_the_boundary() {
             continue;
         }
         let model = model(&shaft(section, 1.0, 2, json!({ "shaft": { "element": element } })));
-        for acts_on in [ActsOn::Bore, ActsOn::Rim].into_iter().take(holds.len() - 1) {
-            let acts_on = if holds.len() == 2 { ActsOn::Rim } else { acts_on };
+        let boundaries: &[ActsOn] =
+            if holds.len() == 2 { &[ActsOn::Rim] } else { &[ActsOn::Bore, ActsOn::Rim] };
+        for &acts_on in boundaries {
             let functions = functions_at(&model, 0);
             let mut sums = vec![0.0; model.nodes[0].n_vectors()];
             let points = chords(&model.sections[0], acts_on);
@@ -220,7 +221,7 @@ fn bearings_on_a_boundary_feel_the_mean_motion_only() {
     };
     let (bore, section, rim) = (kinds("bore"), kinds("section"), kinds("rim"));
     assert!(section.1.len() >= 6);
-    for (other, _) in [(&bore, 0), (&rim, 1)] {
+    for other in [&bore, &rim] {
         for (a, b) in section.1.iter().zip(&other.1) {
             assert!((a / b - 1.0).abs() < 1e-10, "{a} {b}");
         }
@@ -415,7 +416,8 @@ fn a_run_up_on_the_rim_is_the_same_in_both_frames() {
     let size = turning.iter().map(|u| u * u).sum::<f64>().sqrt();
     assert!(size > 1e-4, "{turning:?}");
     for (a, b) in turning.iter().zip(fixed) {
-        assert!((a - b).abs() < 1e-3 * size, "{turning:?} {fixed:?}");
+        println!("{:.1e}", (a - b).abs() / size);
+        assert!((a - b).abs() < 1e-4 * size, "{turning:?} {fixed:?}");
     }
 }
 
@@ -435,7 +437,7 @@ fn boundaries_do_not_depend_on_the_unit_of_length() {
     };
     let (large, small) = (scaled(1.0, "rim"), scaled(1e-3, "rim"));
     for (a, b) in large.iter().zip(&small).filter(|(a, _)| **a > 1.0) {
-        assert!((a / b * 1e3 - 1.0).abs() < 1e-8, "{a} {b}");
+        assert!((a / b * 1e3 - 1.0).abs() < 1e-9, "{a} {b}");
     }
 }
 

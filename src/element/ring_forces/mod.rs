@@ -7,7 +7,7 @@
 //!     F_a = rho^-n_a sum_e s^e sum_t F_a[e,t] wave_t(theta),    n_x = 0
 //! ```
 //!
-//! For a circle the other directions are rho (n = 0) and theta (n = 1), for an ellipse y and z (n = 1 both): Cartesian
+//! For a circle the other directions are rho (n = 0) and theta (n = 1), for an ellipse y and z (n = 1 both): orthonormal
 //! in any case, so the isotropic law is the same at every angle. Angles are points, equal ones are exact, theta and
 //! -theta are evaluated together; across the wall strains are polynomials, and the moments
 //! `H_n[g] = int s^g rho^(1-n) drho` give those of stress, `T_ab[g] = int s^g rho^-n_ab S_ab rho drho`, and of the
