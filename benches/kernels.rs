@@ -2,8 +2,9 @@
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use rotor::element::nonlinear::{NonlinearElement, Scratch};
-use rotor::element::ring_forces::{RingElement, RingScratch};
+use rotor::element::lanes::Scratch;
+use rotor::element::nonlinear::NonlinearElement;
+use rotor::element::ring_forces::RingElement;
 use rotor::model::{ElementKind, Law, Material, Quadrature};
 use rotor::section::Section;
 use rotor::vectors::SectionBasis;
@@ -121,7 +122,7 @@ const RINGS: [(usize, usize); 5] = [(1, 2), (1, 3), (2, 3), (3, 3), (3, 4)];
 #[divan::bench(args = RINGS)]
 fn ring_force(bencher: Bencher<'_, '_>, (degree, harmonics): (usize, usize)) {
     let Some((element, q)) = ring(degree, harmonics) else { return };
-    let mut scratch = RingScratch::default();
+    let mut scratch = Scratch::default();
     let mut force = vec![0.0; q.len()];
     bencher.bench_local(|| element.internal_force(divan::black_box(&q), None, &mut force, &mut scratch));
 }
@@ -129,7 +130,7 @@ fn ring_force(bencher: Bencher<'_, '_>, (degree, harmonics): (usize, usize)) {
 #[divan::bench(args = RINGS)]
 fn ring_tangent(bencher: Bencher<'_, '_>, (degree, harmonics): (usize, usize)) {
     let Some((element, q)) = ring(degree, harmonics) else { return };
-    let mut scratch = RingScratch::default();
+    let mut scratch = Scratch::default();
     let mut tangent = vec![0.0; q.len() * q.len()];
     bencher.bench_local(|| element.tangent(divan::black_box(&q), &mut tangent, &mut scratch));
 }

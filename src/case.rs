@@ -235,6 +235,10 @@ pub enum Hub {
     Rigid,
     /// The disk's inertia acts on r, r_,y and r_,z; the section may deform.
     Soft,
+    /// The disk's inertia acts on the mean displacement, tilt and turn of the inner boundary; the section may deform.
+    Bore,
+    /// The same of the outer boundary: a disk shrunk onto a hollow shaft.
+    Rim,
 }
 
 /// A rigid disk, given by its inertia or by its geometry.
@@ -261,7 +265,7 @@ pub struct Disk {
     pub thickness_inertia: Option<bool>,
     /// Offset of the centre of mass along y and z.
     pub offset: Option<[Length; 2]>,
-    /// How it holds the shaft, default rigid.
+    /// How it holds the shaft: rigid (default), soft, rim, or bore of a hollow section.
     #[serde(default)]
     pub hub: Hub,
 }
@@ -300,8 +304,12 @@ pub enum SectionHold {
 pub enum ActsOn {
     /// The whole section (default).
     Section,
-    /// The axis vector only.
+    /// The axis vector only; not on ring elements, whose axis is empty.
     Axis,
+    /// The inner boundary of a hollow section.
+    Bore,
+    /// The outer boundary.
+    Rim,
 }
 
 /// A support: either a `kind` or `fix`.
@@ -318,7 +326,9 @@ pub struct Support {
     pub section: Option<SectionHold>,
     /// Revolute, cylindrical: rotation prescribed by the drive (default) or free.
     pub driven: Option<bool>,
-    /// Pinned, roller, bearing: on the section (default) or on the axis only.
+    /// Pinned, roller, bearing: the mean displacement of the section (default), its bore or its rim, or the axis vector;
+    /// clamped, revolute, cylindrical with a plane section: what is held in the plane (mean displacement and turn of
+    /// section, bore or rim; by default the axis vector and the section's turn, on ring elements those of the section).
     pub acts_on: Option<ActsOn>,
     /// Bearing: [[kyy, kyz], [kzy, kzz]].
     pub stiffness: Option<[[Stiffness; 2]; 2]>,
@@ -334,9 +344,13 @@ pub enum Surface {
     Top,
     /// Lower half (or lower face).
     Bottom,
+    /// Inner boundary, of those segments that have one.
+    Bore,
+    /// Outer boundary.
+    Rim,
 }
 
-/// A load: force or moment at a position, or traction on a surface.
+/// A load: force or moment at a position, or traction or pressure on a surface.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Load {
@@ -346,13 +360,15 @@ pub struct Load {
     pub force: Option<[Force; 3]>,
     /// Moment.
     pub moment: Option<[Moment; 3]>,
-    /// On the section (default) or on the axis only.
+    /// Force and moment: on the section (default), its bore or its rim, or on the axis vectors only.
     pub acts_on: Option<ActsOn>,
-    /// Part of the lateral surface, for traction.
+    /// Part of the lateral surface of the whole shaft, for traction and pressure.
     pub surface: Option<Surface>,
     /// Force per area.
     pub traction: Option<[Stress; 3]>,
-    /// Whether the traction follows the surface, default false.
+    /// Pressure against the surface, on its undeformed area and in its undeformed direction.
+    pub pressure: Option<Stress>,
+    /// Whether traction or pressure follows the surface, default false.
     pub follower: Option<bool>,
 }
 

@@ -5,8 +5,9 @@
 //! in parallel when there are many; sums are taken in one order, so results do not depend on threads.
 
 use crate::assembly::Assembly;
-use crate::element::nonlinear::{self, NonlinearElement};
-use crate::element::ring_forces::{RingElement, RingScratch};
+use crate::element::lanes::Scratch;
+use crate::element::nonlinear::NonlinearElement;
+use crate::element::ring_forces::RingElement;
 use crate::element::structural::{AXIAL_POINTS, StructuralElement};
 use crate::error::{Error, Result};
 use crate::linalg::sparse::Sparse;
@@ -20,13 +21,6 @@ use rayon::prelude::*;
 const PARALLEL_FORCES: usize = 64;
 /// Elements from which it pays to evaluate tangents in parallel.
 const PARALLEL_TANGENTS: usize = 4;
-
-/// Working memory of the kernels.
-#[derive(Debug, Clone, Default)]
-struct Scratch {
-    polynomial: nonlinear::Scratch,
-    ring: RingScratch,
-}
 
 /// Internal forces of one type of element.
 enum ElementForces {
@@ -81,16 +75,16 @@ impl ElementForces {
         scratch: &mut Scratch,
     ) -> f64 {
         match self {
-            Self::Continuum(element) => element.internal_force(q, velocity, force, &mut scratch.polynomial),
-            Self::Ring(element) => element.internal_force(q, velocity, force, &mut scratch.ring),
+            Self::Continuum(element) => element.internal_force(q, velocity, force, scratch),
+            Self::Ring(element) => element.internal_force(q, velocity, force, scratch),
             Self::Structural(element) => element.internal_force(q, force),
         }
     }
 
     fn tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
         match self {
-            Self::Continuum(element) => element.tangent(q, tangent, &mut scratch.polynomial),
-            Self::Ring(element) => element.tangent(q, tangent, &mut scratch.ring),
+            Self::Continuum(element) => element.tangent(q, tangent, scratch),
+            Self::Ring(element) => element.tangent(q, tangent, scratch),
             Self::Structural(element) => element.tangent(q, tangent),
         }
     }
@@ -99,11 +93,11 @@ impl ElementForces {
     fn viscous_tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
         match self {
             Self::Continuum(element) => {
-                element.material_tangent(q, tangent, &mut scratch.polynomial);
+                element.material_tangent(q, tangent, scratch);
                 tangent.iter_mut().for_each(|v| *v *= element.viscosity());
             }
             Self::Ring(element) => {
-                element.material_tangent(q, tangent, &mut scratch.ring);
+                element.material_tangent(q, tangent, scratch);
                 tangent.iter_mut().for_each(|v| *v *= element.viscosity());
             }
             Self::Structural(_) => tangent.fill(0.0),

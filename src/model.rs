@@ -4,7 +4,7 @@
 mod build;
 mod mesh;
 
-use crate::section::Section;
+use crate::section::{Section, Surface};
 use crate::vectors::SectionBasis;
 
 /// Peak memory of a campbell run in bytes: system matrices, factors and the vectors of the eigenvalue solvers, for
@@ -142,6 +142,31 @@ pub enum Hub {
     Rigid,
     /// The inertia acts on r, r_,y and r_,z only; the section may deform.
     Soft,
+    /// The inertia acts on the mean affine motion of the inner boundary; the section may deform.
+    Bore,
+    /// The same of the outer boundary.
+    Rim,
+}
+
+impl Hub {
+    /// What the disk's inertia acts on.
+    pub fn acts_on(self) -> ActsOn {
+        match self {
+            Self::Rigid | Self::Soft => ActsOn::Axis,
+            Self::Bore => ActsOn::Bore,
+            Self::Rim => ActsOn::Rim,
+        }
+    }
+
+    /// Name in case files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rigid => "rigid",
+            Self::Soft => "soft",
+            Self::Bore => "bore",
+            Self::Rim => "rim",
+        }
+    }
 }
 
 /// A rigid disk at a node.
@@ -168,6 +193,21 @@ pub enum ActsOn {
     Section,
     /// The axis vector r only.
     Axis,
+    /// The inner boundary (its mean displacement, its mean rotation).
+    Bore,
+    /// The outer boundary.
+    Rim,
+}
+
+impl ActsOn {
+    /// The line it is, if any.
+    pub fn surface(self) -> Option<Surface> {
+        match self {
+            Self::Section | Self::Axis => None,
+            Self::Bore => Some(Surface::Bore),
+            Self::Rim => Some(Surface::Rim),
+        }
+    }
 }
 
 /// A linear spring-damper bearing at a node, in the fixed y, z directions.
@@ -186,8 +226,8 @@ pub struct Bearing {
 /// How an end section of a kinematic support behaves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SectionHold {
-    /// Stays plane; may expand in its plane.
-    Plane,
+    /// Stays plane; may expand in its plane, in which this is held.
+    Plane(ActsOn),
     /// Keeps its shape entirely.
     Rigid,
 }
@@ -211,9 +251,9 @@ pub enum SupportKind {
         /// Rotation prescribed by the drive.
         driven: bool,
     },
-    /// Mean displacement (or the axis vector) held in x, y and z; tilt free.
+    /// Mean displacement held in x, y and z; tilt free.
     Pinned(ActsOn),
-    /// Mean displacement (or the axis vector) held in y and z; tilt free.
+    /// Mean displacement held in y and z; tilt free.
     Roller(ActsOn),
     /// Exactly these components: `(vector index, component)`, in the order of the element's vectors.
     Fix(Vec<(usize, usize)>),
@@ -323,13 +363,22 @@ pub struct Load {
     pub acts_on: ActsOn,
 }
 
-/// A dead traction on the upper (y > 0) or lower half of the lateral surface; on a rectangle, on that face.
+/// Force per area of a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SurfaceLoad {
+    /// Force per undeformed area `[x, y, z]`, Pa.
+    Traction([f64; 3]),
+    /// Against the undeformed surface, Pa.
+    Pressure(f64),
+}
+
+/// A dead load on a part of the lateral surface of the whole shaft, of its bore where it has one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Traction {
-    /// True for the upper half.
-    pub top: bool,
-    /// Force per undeformed area `[x, y, z]`, Pa.
-    pub traction: [f64; 3],
+    /// Where.
+    pub surface: Surface,
+    /// How much.
+    pub load: SurfaceLoad,
 }
 
 /// Settings of the static analysis.

@@ -15,6 +15,19 @@ pub enum Shape {
     Rectangle,
 }
 
+/// A part of the lateral surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Surface {
+    /// Upper half of the outline (y > 0), of a rectangle its upper face.
+    Top,
+    /// Lower half, or lower face.
+    Bottom,
+    /// The inner boundary.
+    Bore,
+    /// The whole outer boundary.
+    Rim,
+}
+
 /// A checked cross-section. Half extents in metres, `[along y, along z]`; inner ones are zero for a
 /// solid section.
 #[derive(Debug, Clone, Copy, PartialEq)]

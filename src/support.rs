@@ -5,6 +5,7 @@
 
 use crate::element::basis::{derivative, evaluate, lagrange};
 use crate::element::fields::SectionFunctions;
+use crate::element::outline::{LinePoint, line};
 use crate::model::{ActsOn, Disk, Element, Field, Hub, Model, SectionHold, SupportKind};
 use crate::section::Section;
 use faer::Mat;
@@ -109,12 +110,72 @@ pub fn drives(model: &Model, node: usize) -> bool {
     })
 }
 
-/// Weights `w_k` of the mean displacement `sum_k w_k q_k` of the section (or of the axis).
-pub fn displacement_weights(model: &Model, node: usize, acts_on: ActsOn) -> Vec<f64> {
-    match (acts_on, section_at(model, node)) {
-        (ActsOn::Section, Some(section)) => functions_at(model, node).means(&section),
-        _ => (0..model.nodes[node].n_vectors()).map(|k| f64::from(k == 0)).collect(),
+/// What a support or load takes hold of at a node: an area or a line of its section, whose means count.
+pub struct Region {
+    functions: SectionFunctions,
+    section: Section,
+    line: Option<Vec<LinePoint>>,
+}
+
+impl Region {
+    /// The section common to both sides of the node, or a boundary of it; `None` for the axis.
+    pub fn new(model: &Model, node: usize, acts_on: ActsOn) -> Option<Self> {
+        Self::of(functions_at(model, node), section_at(model, node)?, acts_on)
     }
+
+    fn of(functions: SectionFunctions, section: Section, acts_on: ActsOn) -> Option<Self> {
+        let line = match (acts_on, acts_on.surface()) {
+            (ActsOn::Axis, _) => return None,
+            (_, None) => None,
+            (_, Some(surface)) => Some(line(&section, surface)),
+        };
+        Some(Self { functions, section, line })
+    }
+
+    /// Mean value of every function.
+    pub fn means(&self) -> Vec<f64> {
+        if self.line.is_none() {
+            return self.functions.means(&self.section);
+        }
+        let sums = self.integrals(0, 0);
+        // the first function is 1
+        sums.iter().map(|s| s / sums[0]).collect()
+    }
+
+    /// `int f_k y^a z^b`, by area (m^(2+a+b)) or length (m^(1+a+b)), a and b 0 or 1.
+    pub fn integrals(&self, a: usize, b: usize) -> Vec<f64> {
+        self.integrals_per(a, b, [1.0, 1.0])
+    }
+
+    /// [`Self::integrals`] divided by two numbers.
+    fn integrals_per(&self, a: usize, b: usize, per: [f64; 2]) -> Vec<f64> {
+        let Some(line) = &self.line else { return self.functions.integrals_per(&self.section, a, b, per) };
+        let weight = |p: &LinePoint| p.length * p.y.powi(a as i32) * p.z.powi(b as i32);
+        let sums = self.functions.along(line, [a % 2 == 1, b % 2 == 1], weight);
+        sums.into_iter().map(|s| s / (per[0] * per[1])).collect()
+    }
+
+    /// `int y^a z^b`, by area or length.
+    pub fn moment(&self, a: usize, b: usize) -> f64 {
+        let of = |p: &LinePoint| p.length * p.y.powi(a as i32) * p.z.powi(b as i32);
+        self.line.as_ref().map_or_else(|| self.section.moment(a, b), |line| line.iter().map(of).sum())
+    }
+
+    /// Rows of the mean affine motion in the measure of the first three vectors: `int f_k`, `R int y f_k / int y^2` and
+    /// `R int z f_k / int z^2`, the first over the size. What they give of `r + y r_,y + z r_,z` is r, R r_,y and R r_,z.
+    fn affine(&self, reference_length: f64) -> [Vec<f64>; 3] {
+        let slope = |a: usize, b: usize| {
+            let per = self.moment(2 * a, 2 * b) / reference_length;
+            self.integrals_per(a, b, [per, 1.0])
+        };
+        [self.means(), slope(1, 0), slope(0, 1)]
+    }
+}
+
+/// Weights `w_k` of the mean displacement `sum_k w_k q_k` of what is taken hold of.
+pub fn displacement_weights(model: &Model, node: usize, acts_on: ActsOn) -> Vec<f64> {
+    let axis = || (0..model.nodes[node].n_vectors()).map(|k| f64::from(k == 0)).collect();
+    Region::new(model, node, acts_on).map_or_else(axis, |region| region.means())
 }
 
 /// Constraint rows `sum c_i q_i = 0` over the coordinates of one node.
@@ -133,19 +194,17 @@ pub fn constraint_rows(model: &Model, node: usize) -> Vec<Vec<f64>> {
         row
     };
     let in_plane_shape = || (3..n_vectors).flat_map(move |k| [1, 2].map(|c| unit(k, c)));
-    let plane = |axially_free: bool, driven: bool| {
-        // the axis of a ring is empty: its section is held in the mean
-        let ring = model.nodes[node].field.basis.is_ring();
-        let held = |c: usize| if ring && c > 0 { mean(c, ActsOn::Section) } else { unit(0, c) };
+    let plane = |acts_on: ActsOn, axially_free: bool, driven: bool| {
+        let held = |c: usize| if c > 0 { mean(c, acts_on) } else { unit(0, c) };
         let mut rows: Vec<Vec<f64>> = (0..3).filter(|&c| !(axially_free && c == 0)).map(held).collect();
         rows.extend((1..n_vectors).map(|k| unit(k, 0)));
         if driven {
-            rows.push(mean_rotation(model, node));
+            rows.push(mean_rotation(model, node, acts_on));
         }
         rows
     };
     let held = |hold: SectionHold, axially_free: bool, driven: bool| match (hold, driven) {
-        (SectionHold::Plane, _) => plane(axially_free, driven),
+        (SectionHold::Plane(acts_on), _) => plane(acts_on, axially_free, driven),
         (SectionHold::Rigid, true) => (0..n_vectors)
             .flat_map(|k| (0..3).map(move |c| (k, c)))
             .filter(|&(k, c)| !(axially_free && k == 0 && c == 0))
@@ -153,7 +212,7 @@ pub fn constraint_rows(model: &Model, node: usize) -> Vec<Vec<f64>> {
             .collect(),
         // free to spin as a rigid disk: a hub holds r_,y and r_,z orthonormal
         (SectionHold::Rigid, false) => {
-            plane(axially_free, false).into_iter().chain(in_plane_shape()).collect()
+            plane(ActsOn::Axis, axially_free, false).into_iter().chain(in_plane_shape()).collect()
         }
     };
     let mut rows = Vec::new();
@@ -173,13 +232,13 @@ pub fn constraint_rows(model: &Model, node: usize) -> Vec<Vec<f64>> {
     rows
 }
 
-/// Mean rotation of a section about the axis, `int (y u_z - z u_y) dA`, as a row.
-fn mean_rotation(model: &Model, node: usize) -> Vec<f64> {
-    let Some(section) = section_at(model, node) else { return Vec::new() };
-    let functions = functions_at(model, node);
-    let per = [section.area(), model.reference_length];
-    let with_y = functions.integrals_per(&section, 1, 0, per).into_iter();
-    let with_z = functions.integrals_per(&section, 0, 1, per).into_iter();
+/// Mean rotation about the axis, `int (y u_z - z u_y)`, of a section (also where the axis is held) or a boundary, as a row.
+fn mean_rotation(model: &Model, node: usize, acts_on: ActsOn) -> Vec<f64> {
+    let region = if acts_on == ActsOn::Axis { ActsOn::Section } else { acts_on };
+    let Some(region) = Region::new(model, node, region) else { return Vec::new() };
+    let per = [region.moment(0, 0), model.reference_length];
+    let with_y = region.integrals_per(1, 0, per).into_iter();
+    let with_z = region.integrals_per(0, 1, per).into_iter();
     with_y.zip(with_z).flat_map(|(y, z)| [0.0, -z, y]).collect()
 }
 
@@ -242,8 +301,33 @@ pub fn hub_tangent(
     }
 }
 
+/// R r_,y and R r_,z after r as rows over the coordinates (first component): vectors of the node, or the mean affine
+/// motion of the boundary that carries the disk.
+fn disk_vectors(model: &Model, numbering: &Numbering, disk: &Disk) -> [Vec<(usize, f64)>; 3] {
+    let rows = match Region::new(model, disk.node, disk.hub.acts_on()) {
+        Some(region) => region.affine(model.reference_length),
+        None => [vec![1.0], vec![0.0, 1.0], vec![0.0, 0.0, 1.0]],
+    };
+    rows.map(|row| {
+        let used = row.into_iter().enumerate().filter(|(_, w)| *w != 0.0);
+        used.map(|(k, w)| (numbering.index(disk.node, k, 0), w)).collect()
+    })
+}
+
+/// `sum_kl block_kl rows_k^T rows_l (x) I3`.
+fn on_rows(block: &Mat<f64>, rows: &[Vec<(usize, f64)>]) -> Contribution {
+    let mut starts: Vec<usize> = rows.iter().flatten().map(|entry| entry.0).collect();
+    starts.sort_unstable();
+    starts.dedup();
+    let dense = Mat::from_fn(rows.len(), starts.len(), |k, i| {
+        rows[k].iter().find(|entry| entry.0 == starts[i]).map_or(0.0, |entry| entry.1)
+    });
+    on_vectors(&(dense.transpose() * block * &dense), &starts)
+}
+
 /// Mass of the disks: `m/2 |r + d_y r_,y + d_z r_,z|^2 + Jp/4 (|r_,y|^2 + |r_,z|^2) + (Id - Jp/2)/2
-/// |r_,x|^2`, r_,x being the mean of both sides of the node.
+/// |r_,x|^2`, r_,x being the mean of both sides of the node; on a boundary its mean affine motion stands for r, r_,y
+/// and r_,z.
 pub fn disk_mass(model: &Model, numbering: &Numbering) -> Vec<Contribution> {
     let r = model.reference_length;
     let mut result = Vec::new();
@@ -253,7 +337,7 @@ pub fn disk_mass(model: &Model, numbering: &Numbering) -> Vec<Contribution> {
         let vectors = Mat::from_fn(3, 3, |k, l| {
             disk.mass * centre[k] * centre[l] + if k == l && k > 0 { half_polar } else { 0.0 }
         });
-        result.push(on_vectors(&vectors, &[0, 1, 2].map(|k| numbering.index(disk.node, k, 0))));
+        result.push(on_rows(&vectors, &disk_vectors(model, numbering, disk)));
         let excess = disk.diametral_inertia - disk.polar_inertia / 2.0;
         if excess > 1e-12 * disk.diametral_inertia {
             let slope = axial_slope(model, numbering, disk);
@@ -266,14 +350,20 @@ pub fn disk_mass(model: &Model, numbering: &Numbering) -> Vec<Contribution> {
 }
 
 /// `r_,x` at the disk as a sum over vectors: `(first coordinate, weight)`, the mean of both sides. Of a ring the mean
-/// displacement of the section stands for r.
+/// displacement of the section stands for r, on a boundary that of the boundary.
 fn axial_slope(model: &Model, numbering: &Numbering, disk: &Disk) -> Vec<(usize, f64)> {
     let sides: Vec<_> = elements_at(model, disk.node).collect();
     let mut slope: Vec<(usize, f64)> = Vec::new();
     for element in &sides {
         let section = &model.sections[element.section];
         let field = Field { basis: element.kind.basis, section: element.section };
-        let vectors = if field.basis.is_ring() { functions(model, field).means(section) } else { vec![1.0] };
+        let functions = functions(model, field);
+        let boundary = section_at(model, disk.node).filter(|_| disk.hub.acts_on() != ActsOn::Axis);
+        let vectors = match boundary.and_then(|s| Region::of(functions.clone(), s, disk.hub.acts_on())) {
+            Some(region) => region.means(),
+            None if field.basis.is_ring() => functions.means(section),
+            None => vec![1.0],
+        };
         let xi = if element.first_node == disk.node { -1.0 } else { 1.0 };
         for (i, l) in lagrange(element.kind.axial_degree).iter().enumerate() {
             let weight = evaluate(&derivative(l), xi) * 2.0 / element.length / sides.len() as f64;
@@ -311,7 +401,7 @@ fn disk_pairs(
         .map(|disk| {
             let block = block(disk.polar_inertia / r2);
             let vectors = Mat::from_fn(2, 2, |k, l| block[k][l]);
-            on_vectors(&vectors, &[1, 2].map(|k| numbering.index(disk.node, k, 0)))
+            on_rows(&vectors, &disk_vectors(model, numbering, disk)[1..])
         })
         .collect()
 }

@@ -52,9 +52,8 @@ fn summary(model: &Model, degrees_of_freedom: usize, mass_kg: f64) -> ModelSumma
     }
     modelled.push(format!("elements {}", members.join(", ")));
     if !model.disks.is_empty() {
-        let rigid = model.disks.iter().filter(|d| d.hub == Hub::Rigid).count();
-        let soft = model.disks.len() - rigid;
-        let hubs = [(rigid, "rigid"), (soft, "soft")];
+        let with = |hub: Hub| (model.disks.iter().filter(|d| d.hub == hub).count(), hub.name());
+        let hubs = [Hub::Rigid, Hub::Soft, Hub::Bore, Hub::Rim].map(with);
         let hubs: Vec<String> =
             hubs.iter().filter(|(n, _)| *n > 0).map(|(n, name)| format!("{n} with {name} hub")).collect();
         modelled.push(format!("disks ({})", hubs.join(", ")));
@@ -88,10 +87,8 @@ fn nonlinear_summary(model: &Model, degrees_of_freedom: usize) -> ModelSummary {
 /// The integration of nonlinear forces in words.
 fn quadrature_name(model: &Model) -> String {
     let structural = model.elements.iter().any(|e| e.kind.law == Law::Structural);
-    let rings = model.elements.iter().any(|e| e.kind.basis.is_ring());
     match (model.quadrature.axial, model.quadrature.section) {
         (None, None) if structural => format!("exact, of 3333s {AXIAL_POINTS} Gauss points along an element"),
-        (None, None) if rings => "exact, of rings to 1e-8 of the terms in 1/r".to_owned(),
         (None, None) => "exact".to_owned(),
         (axial, section) => {
             let points = |n: Option<usize>| n.map_or("exact".to_owned(), |n| format!("{n} Gauss points"));

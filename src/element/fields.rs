@@ -3,6 +3,7 @@
 //! Field of a node: `u(y, z) = sum_k f_k(y, z) q_k`, f_k the functions of [`SectionBasis`] in scaled coordinates.
 //! Source: docs/theory.md sections 1 and 10.
 
+use super::outline::LinePoint;
 use super::ring::{Ring, rule};
 use crate::section::Section;
 use crate::vectors::{RingFunction, SectionBasis, exponents, ring_functions};
@@ -98,6 +99,27 @@ impl SectionFunctions {
         // the first function is 1
         let area = sums[0];
         sums.into_iter().map(|s| s / area).collect()
+    }
+
+    /// `int f_k weight ds` along a line that is symmetric about both axes, `weight` odd or even in y and z as told, m
+    /// times its unit.
+    pub fn along(&self, line: &[LinePoint], odd: [bool; 2], weight: impl Fn(&LinePoint) -> f64) -> Vec<f64> {
+        let size: f64 = line.iter().map(|p| weight(p).abs()).sum();
+        let sums = self.along_any(line, &weight);
+        let parities = self.basis.odd().into_iter();
+        let rounding = if self.basis.is_ring() { 1e-14 * size } else { 0.0 };
+        let clean = |(s, parity): (f64, _)| if parity != odd || s.abs() < rounding { 0.0 } else { s };
+        sums.into_iter().zip(parities).map(clean).collect()
+    }
+
+    /// `int f_k weight ds` along any line.
+    pub fn along_any(&self, line: &[LinePoint], weight: impl Fn(&LinePoint) -> f64) -> Vec<f64> {
+        let mut sums = vec![0.0; self.basis.count()];
+        for point in line {
+            let weight = weight(point);
+            sums.iter_mut().zip(self.at(point.y, point.z)).for_each(|(sum, f)| *sum += weight * f[0]);
+        }
+        sums
     }
 
     /// Matrix P of the vectors that make this field the projection of another one on a shared area,

@@ -7,9 +7,12 @@
 
 pub mod basis;
 pub mod continuum;
+pub mod expansion;
 pub mod fields;
 pub mod inertia;
+pub mod lanes;
 pub mod nonlinear;
+pub mod outline;
 pub mod quadrature;
 pub mod ring;
 pub mod ring_forces;

@@ -104,6 +104,22 @@ pub fn legendre(top: usize, s: f64) -> Vec<(f64, f64)> {
     list
 }
 
+/// Coefficients of the Legendre polynomials `P_0 .. P_top` in ascending powers.
+pub fn monomials(top: usize) -> Vec<Vec<f64>> {
+    let mut list = vec![vec![1.0], vec![0.0, 1.0]];
+    for a in 2..=top {
+        let n = a as f64;
+        let at = |p: &[f64], e: usize| p.get(e).copied().unwrap_or(0.0);
+        let (p, q) = (&list[a - 1], &list[a - 2]);
+        let next = |e: usize| {
+            let higher = if e > 0 { (2.0 * n - 1.0) * p[e - 1] } else { 0.0 };
+            (higher - (n - 1.0) * at(q, e)) / n
+        };
+        list.push((0..=a).map(next).collect());
+    }
+    list
+}
+
 /// Integrals over the ring of products of the functions: `gradients[a][b] = int f_k,a f_l,b dA` with a, b in
 /// {none, y, z}, `int f_k (d_theta f_l) dA` and `int (d_theta f_k)(d_theta f_l) dA`; as in
 /// [`super::basis::SectionProducts`].

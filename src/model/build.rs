@@ -9,7 +9,7 @@ use super::{
 };
 use crate::case::{self, Case, LoadedCase, nearest};
 use crate::error::Result;
-use crate::section::{Section, Shape};
+use crate::section::{Section, Shape, Surface};
 use crate::vectors::SectionBasis;
 use std::f64::consts::PI;
 
@@ -32,9 +32,9 @@ impl Model {
         let materials = used(materials, plans.iter_mut().map(|p| &mut p.material).collect());
         let length: f64 = plans.iter().map(|p| p.length).sum();
         let mesh = input.mesh(&plans, &sections, length)?;
-        let disks = input.disks(&mesh)?;
-        let (supports, bearings) = input.supports(&mesh)?;
-        let (loads, tractions) = input.loads(&mesh)?;
+        let disks = input.disks(&mesh, &sections)?;
+        let (supports, bearings) = input.supports(&mesh, &sections)?;
+        let (loads, tractions) = input.loads(&mesh, &sections)?;
         let probes = input.probes(&mesh, length, &sections)?;
         input.expected()?;
         Ok(Self {
@@ -369,7 +369,7 @@ impl Input<'_> {
         Ok(Mesh::new(plans, sections, &positions, length))
     }
 
-    fn disks(&self, mesh: &Mesh) -> Result<Vec<Disk>> {
+    fn disks(&self, mesh: &Mesh, sections: &[Section]) -> Result<Vec<Disk>> {
         let mut list: Vec<Disk> = Vec::new();
         for (i, d) in self.case.disks.iter().enumerate() {
             let at = |key: &str| format!("disks.{i}.{key}");
@@ -448,12 +448,15 @@ impl Input<'_> {
             let hub = match d.hub {
                 case::Hub::Rigid => Hub::Rigid,
                 case::Hub::Soft => Hub::Soft,
+                case::Hub::Bore => Hub::Bore,
+                case::Hub::Rim => Hub::Rim,
             };
+            self.boundary(&at("hub"), hub.acts_on(), "rigid", mesh, sections, node)?;
             if hub == Hub::Soft && mesh.nodes[node].field.basis.is_ring() {
                 return self.fault(
                     &at("hub"),
                     "a soft hub acts on the vectors of the axis, which is empty in a ring section",
-                    "\"rigid\", or an element 34X1 .. 34X5 there",
+                    "\"rigid\", \"rim\" or \"bore\"; or an element 34X1 .. 34X5 there",
                 );
             }
             if list.iter().any(|other| other.node == node && other.hub != hub) {
@@ -469,15 +472,15 @@ impl Input<'_> {
         Ok(list)
     }
 
-    fn supports(&self, mesh: &Mesh) -> Result<(Vec<Support>, Vec<Bearing>)> {
+    fn supports(&self, mesh: &Mesh, sections: &[Section]) -> Result<(Vec<Support>, Vec<Bearing>)> {
         let (mut supports, mut bearings): (Vec<Support>, Vec<Bearing>) = (Vec::new(), Vec::new());
         for (i, s) in self.case.supports.iter().enumerate() {
             let path = format!("supports.{i}");
             let node = mesh.node_at(s.at.0);
             self.support_keys(&path, s)?;
-            self.not_on_an_empty_axis(&path, s.acts_on, mesh, node)?;
+            let acts_on = self.acts_on(&path, s.acts_on, mesh, sections, node)?;
             if s.kind == Some(case::SupportKind::Bearing) {
-                bearings.push(self.bearing(&path, s, node)?);
+                bearings.push(self.bearing(&path, s, node, acts_on)?);
                 continue;
             }
             if let Some(other) = supports.iter().find(|other| other.node == node) {
@@ -489,9 +492,12 @@ impl Input<'_> {
             }
             let hold = match s.section {
                 Some(case::SectionHold::Rigid) => SectionHold::Rigid,
-                _ => SectionHold::Plane,
+                // the axis of a ring is empty: its section is held in the mean
+                _ if s.acts_on.is_none() && !mesh.nodes[node].field.basis.is_ring() => {
+                    SectionHold::Plane(ActsOn::Axis)
+                }
+                _ => SectionHold::Plane(acts_on),
             };
-            let acts_on = acts_on(s.acts_on);
             let driven = s.driven.unwrap_or(true);
             let kind = match (s.kind, &s.fix) {
                 (Some(case::SupportKind::Clamped), _) => SupportKind::Clamped(hold),
@@ -510,18 +516,57 @@ impl Input<'_> {
         Ok((supports, bearings))
     }
 
-    fn not_on_an_empty_axis(
+    /// What a support or load at `path` takes hold of: there must be such a thing.
+    fn acts_on(
         &self,
         path: &str,
-        acts_on: Option<case::ActsOn>,
+        given: Option<case::ActsOn>,
         mesh: &Mesh,
+        sections: &[Section],
+        node: usize,
+    ) -> Result<ActsOn> {
+        let path = format!("{path}.acts_on");
+        let acts_on = match given {
+            Some(case::ActsOn::Axis) => ActsOn::Axis,
+            Some(case::ActsOn::Bore) => ActsOn::Bore,
+            Some(case::ActsOn::Rim) => ActsOn::Rim,
+            Some(case::ActsOn::Section) | None => ActsOn::Section,
+        };
+        if acts_on == ActsOn::Axis && mesh.nodes[node].field.basis.is_ring() {
+            return self.fault(
+                &path,
+                "the axis is empty in a ring section",
+                "\"section\" (the whole wall, the default), \"bore\" or \"rim\"; or an element 34X1 .. 34X5 there",
+            );
+        }
+        self.boundary(&path, acts_on, "section", mesh, sections, node)?;
+        Ok(acts_on)
+    }
+
+    /// Refuses a boundary that the section common to both sides of a node does not have.
+    fn boundary(
+        &self,
+        path: &str,
+        acts_on: ActsOn,
+        instead: &str,
+        mesh: &Mesh,
+        sections: &[Section],
         node: usize,
     ) -> Result<()> {
-        if acts_on == Some(case::ActsOn::Axis) && mesh.nodes[node].field.basis.is_ring() {
+        let Some(surface) = acts_on.surface() else { return Ok(()) };
+        let here: Vec<Section> = mesh.sections_at(node).map(|s| sections[s]).collect();
+        if here.iter().any(|s| s.shape != here[0].shape) {
             return self.fault(
-                &format!("{path}.acts_on"),
-                "the axis is empty in a ring section",
-                "\"section\" (the whole wall, the default), or an element 34X1 .. 34X5 there",
+                path,
+                "sections of different shape meet there: they share no boundary",
+                format!("\"{instead}\""),
+            );
+        }
+        if surface == Surface::Bore && !here.iter().any(Section::is_hollow) {
+            return self.fault(
+                path,
+                "the section there is solid and has no bore",
+                format!("\"{instead}\" or \"rim\" (the outer surface)"),
             );
         }
         Ok(())
@@ -546,8 +591,10 @@ impl Input<'_> {
                 );
             }
             (None, Some(_)) => ("fix", &[]),
-            (Some(Clamped), _) => ("clamped", &["section"]),
-            (Some(Revolute | Cylindrical), _) => ("revolute or cylindrical", &["section", "driven"]),
+            (Some(Clamped), _) => ("clamped", &["section", "acts_on"]),
+            (Some(Revolute | Cylindrical), _) => {
+                ("revolute or cylindrical", &["section", "driven", "acts_on"])
+            }
             (Some(Pinned | Roller), _) => ("pinned or roller", &["acts_on"]),
             (Some(Bearing), _) => ("bearing", &["stiffness", "damping", "acts_on"]),
         };
@@ -568,11 +615,16 @@ impl Input<'_> {
                     format!("besides at and kind: {}", allowed.join(", "))
                 },
             ),
+            None if s.section == Some(case::SectionHold::Rigid) && s.acts_on.is_some() => self.fault(
+                &format!("{path}.acts_on"),
+                "a rigid section is held as a whole",
+                "\"section\": \"plane\", or no acts_on",
+            ),
             None => Ok(()),
         }
     }
 
-    fn bearing(&self, path: &str, s: &case::Support, node: usize) -> Result<Bearing> {
+    fn bearing(&self, path: &str, s: &case::Support, node: usize, acts_on: ActsOn) -> Result<Bearing> {
         let Some(stiffness) = s.stiffness else {
             return self.fault(
                 &format!("{path}.stiffness"),
@@ -596,7 +648,7 @@ impl Input<'_> {
                 "kyy >= 0, kzz >= 0 and ((kyz + kzy)/2)^2 <= kyy kzz",
             );
         }
-        Ok(Bearing { node, stiffness, damping, acts_on: acts_on(s.acts_on) })
+        Ok(Bearing { node, stiffness, damping, acts_on })
     }
 
     fn fix(&self, path: &str, names: &[String], basis: SectionBasis) -> Result<Vec<(usize, usize)>> {
@@ -789,11 +841,4 @@ fn used<T: Copy>(list: Vec<T>, references: Vec<&mut usize>) -> Vec<T> {
         *reference = at;
     }
     kept.into_iter().map(|i| list[i]).collect()
-}
-
-fn acts_on(given: Option<case::ActsOn>) -> ActsOn {
-    match given {
-        Some(case::ActsOn::Axis) => ActsOn::Axis,
-        _ => ActsOn::Section,
-    }
 }

@@ -90,6 +90,12 @@ impl Mesh {
         ends.min_by(|&a, &b| (self.nodes[a].x - x).abs().total_cmp(&(self.nodes[b].x - x).abs())).unwrap_or(0)
     }
 
+    /// Sections of the elements that meet at an element end.
+    pub fn sections_at(&self, node: usize) -> impl Iterator<Item = usize> {
+        let meets = move |e: &&Element| e.first_node == node || e.first_node + e.kind.axial_degree == node;
+        self.elements.iter().filter(meets).map(|e| e.section)
+    }
+
     /// The element that holds a position.
     pub fn element_at(&self, x: f64) -> Option<&Element> {
         self.elements.iter().find(|e| x <= e.x + e.length).or(self.elements.last())

@@ -4,7 +4,8 @@
 use faer::Mat;
 use rotor::element::ElementMatrices;
 use rotor::element::basis::{exponents, vector_name};
-use rotor::element::nonlinear::{NonlinearElement, Scratch};
+use rotor::element::lanes::Scratch;
+use rotor::element::nonlinear::NonlinearElement;
 use rotor::model::{ElementKind, Law, Material, Quadrature};
 use rotor::section::Section;
 use rotor::vectors::SectionBasis;

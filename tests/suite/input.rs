@@ -4,8 +4,10 @@ use proptest::prelude::*;
 use rotor::case::{Case, LoadedCase};
 use rotor::error::{Error, Result};
 use rotor::model::{
-    Frame, Integrator, LoadKind, Model, Phase, Quadrature, SpinupSettings, StaticSettings, Traction,
+    Frame, Integrator, LoadKind, Model, Phase, Quadrature, SpinupSettings, StaticSettings, SurfaceLoad,
+    Traction,
 };
+use rotor::section::Surface;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use std::process::Command;
@@ -392,7 +394,8 @@ fn loads_stand_at_element_ends() {
         assert!((model.nodes[load.node].x - 0.3).abs() < 1e-12);
         assert!(model.elements.iter().any(|e| e.first_node == load.node));
     }
-    assert_eq!(model.tractions, [Traction { top: false, traction: [0.0, 3.0, 0.0] }]);
+    let load = SurfaceLoad::Traction([0.0, 3.0, 0.0]);
+    assert_eq!(model.tractions, [Traction { surface: Surface::Bottom, load }]);
 }
 
 /// Supports that turn with the drive, and drives that turn nothing.

@@ -1,6 +1,7 @@
 //! All tests, by kind, in one program: linking the library once is most of what they cost.
 
 mod analytical;
+mod attachments;
 mod cli;
 mod common;
 mod element;

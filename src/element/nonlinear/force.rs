@@ -1,8 +1,10 @@
 //! The internal force: strains and stresses as polynomials, section moments of stress, forces on the coefficients
 //! of F, forces on the coordinates. Stations lie side by side in the vector registers throughout.
 
-use super::polynomials::{add_half_square, add_products, contract, take};
-use super::{DEGREE, LANES, NonlinearElement, PAIRS, Scratch, place};
+use super::polynomials::{add_half_square, add_products, contract};
+use super::{DEGREE, NonlinearElement};
+use crate::element::expansion::{PAIRS, place};
+use crate::element::lanes::{Scratch, take};
 use pulp::{Simd, WithSimd};
 
 /// Adds up the force; returns the energy.
@@ -22,14 +24,14 @@ impl WithSimd for Force<'_> {
         let Self { element, q, velocity, force, scratch } = self;
         let monomials: usize = element.fields.iter().sum();
         let (grid, largest) = (element.grid, element.classes[0].places.len());
-        let mut pool = scratch.pool.take(LANES * (3 * 3 * monomials + 2 * 6 * grid + 6 * largest));
+        let mut pool = scratch.take(S::F64_LANES * (3 * 3 * monomials + 2 * 6 * grid + 6 * largest));
         let [f, rate, p] = [(); 3].map(|()| take::<[S::f64s; 3]>(&mut pool, monomials));
         let [strains, t] = [(); 2].map(|()| take::<[S::f64s; 6]>(&mut pool, grid));
         let stresses = take::<[S::f64s; 6]>(&mut pool, largest);
-        let weights = S::as_simd_f64s(&element.weights).0;
+        let weights = S::as_simd_f64s(&element.stations.weights).0;
         let mut energy = 0.0;
         force.fill(0.0);
-        for batch in 0..element.n_stations.div_ceil(S::F64_LANES) {
+        for batch in 0..element.stations.count.div_ceil(S::F64_LANES) {
             element.gradient(simd, q, batch, f);
             element.strains(simd, f, strains);
             if let Some(velocity) = velocity {
@@ -152,8 +154,6 @@ impl NonlinearElement {
     /// Adds what forces P on the coefficients of F do on the coordinates.
     #[inline(always)]
     fn add_force<S: Simd>(&self, simd: S, p: &[[S::f64s; 3]], batch: usize, force: &mut [f64]) {
-        let width = self.padded / S::F64_LANES;
-        let [values, slopes] = self.weighted.each_ref().map(|table| S::as_simd_f64s(table).0);
         let p = self.columns(p);
         for (k, roles) in self.vectors.iter().enumerate() {
             let (mut on_slope, mut on_value) = ([simd.splat_f64s(0.0); 3], [simd.splat_f64s(0.0); 3]);
@@ -165,14 +165,7 @@ impl NonlinearElement {
                     on[i] = simd.mul_add_e_f64s(factor, p[alpha][e][i], on[i]);
                 }
             }
-            for node in 0..self.n_nodes {
-                let (value, slope) = (values[node * width + batch], slopes[node * width + batch]);
-                let target = &mut force[3 * (node * self.n_vectors + k)..][..3];
-                for i in 0..3 {
-                    let sum = simd.mul_add_e_f64s(slope, on_slope[i], simd.mul_f64s(value, on_value[i]));
-                    target[i] += simd.reduce_sum_f64s(sum);
-                }
-            }
+            self.stations.add_force(simd, [on_value, on_slope], (k, self.n_vectors), batch, force);
         }
     }
 }

@@ -15,25 +15,21 @@ mod force;
 mod polynomials;
 mod tangent;
 
-use crate::element::basis::{derivative, evaluate, lagrange};
 use crate::element::continuum::{lame, shear_correction};
-use crate::element::quadrature::{gauss, section_rule};
+use crate::element::expansion::place;
+use crate::element::lanes::Scratch;
+use crate::element::quadrature::section_rule;
+use crate::element::stations::Stations;
 use crate::model::{ElementKind, Law, Material, Quadrature};
 use crate::section::Section;
 use crate::vectors::exponents;
 use force::Force;
 use nalgebra::Matrix3;
-use polynomials::{Class, Pool, count, place_on_grid};
+use polynomials::{Class, count, place_on_grid};
 use pulp::{Arch, Simd};
 use tangent::{Tables, Tangent};
 
-/// Stations are padded to a multiple of the widest SIMD register.
-const LANES: usize = 8;
-/// Most nodes of an element.
-const NODES: usize = 4;
-/// The pairs of directions with their place in lists of six: xx yy zz xy xz yz.
-const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
-/// Degree of their products, as an index of [`Class::counts`].
+/// Degree of the products of each pair of directions xx yy zz xy xz yz, as an index of [`Class::counts`].
 const DEGREE: [usize; 6] = [2, 0, 0, 1, 1, 0];
 
 /// Elastic law `S_aa = sum_b normal_ab E_bb`, `S_ab = 2 shear E_ab`, and what acts on the axis only.
@@ -86,7 +82,6 @@ type Roles = [Option<(usize, f64)>; 3];
 #[derive(Debug, Clone)]
 pub struct NonlinearElement {
     law: StressLaw,
-    n_nodes: usize,
     n_vectors: usize,
     /// What the vectors of a node do.
     vectors: Vec<Roles>,
@@ -98,26 +93,12 @@ pub struct NonlinearElement {
     grid: usize,
     classes: [Class; 4],
     area: f64,
-    n_stations: usize,
-    /// Stations with those that fill the last vector; their functions and weights are zero.
-    padded: usize,
-    /// `L_i` and `dL_i/dx` at the stations, `[derivative][node * padded + station]`.
-    axial: [Vec<f64>; 2],
-    /// The same times the weights of the stations.
-    weighted: [Vec<f64>; 2],
-    /// Weights of the stations, m.
-    weights: Vec<f64>,
+    stations: Stations,
     tangent: Tables,
     /// Kelvin-Voigt factor, s.
     viscosity: f64,
     /// Vector instructions.
     arch: Arch,
-}
-
-/// Working memory, one for each thread.
-#[derive(Debug, Clone, Default)]
-pub struct Scratch {
-    pool: Pool,
 }
 
 impl NonlinearElement {
@@ -160,42 +141,20 @@ impl NonlinearElement {
             }
         };
         let classes = Class::all(order, moment);
-        let polynomials = lagrange(kind.axial_degree);
         // the integrand holds four factors of the axial degree
-        let stations = gauss(quadrature.axial.unwrap_or(2 * kind.axial_degree + 1));
-        let padded = stations.len().next_multiple_of(LANES);
-        let n_nodes = kind.n_nodes();
-        assert!(n_nodes <= NODES, "tables for four nodes");
-        let mut axial = [vec![0.0; n_nodes * padded], vec![0.0; n_nodes * padded]];
-        let mut weighted = axial.clone();
-        let mut weights: Vec<f64> = stations.iter().map(|(_, w)| w * length / 2.0).collect();
-        weights.resize(padded, 0.0);
-        for (i, l) in polynomials.iter().enumerate() {
-            let slope = derivative(l);
-            for (s, &(xi, w)) in stations.iter().enumerate() {
-                let values = [evaluate(l, xi), evaluate(&slope, xi) * 2.0 / length];
-                for (a, value) in values.into_iter().enumerate() {
-                    axial[a][i * padded + s] = value;
-                    weighted[a][i * padded + s] = value * w * length / 2.0;
-                }
-            }
-        }
+        let count_stations = quadrature.axial.unwrap_or(2 * kind.axial_degree + 1);
+        let stations = Stations::new(kind.axial_degree, length, count_stations);
         Self {
             law: StressLaw::new(kind.law, section, material),
-            n_nodes,
             n_vectors,
             fields: [n_vectors, n_slopes, n_slopes],
             places: list.iter().map(|&m| place_on_grid(order, m)).collect(),
             grid: place_on_grid(order, (2 * order, 0)) + 1,
             area: moment(0, 0),
-            tangent: Tables::new(order, &classes, &vectors, [&axial, &weighted], padded),
+            tangent: Tables::new(order, &classes, &vectors, &stations),
             vectors,
             classes,
-            n_stations: stations.len(),
-            padded,
-            axial,
-            weighted,
-            weights,
+            stations,
             viscosity: material.stiffness_damping,
             arch: Arch::new(),
         }
@@ -214,7 +173,7 @@ impl NonlinearElement {
 
     /// Number of coordinates.
     pub fn size(&self) -> usize {
-        3 * self.n_nodes * self.n_vectors
+        3 * self.stations.n_nodes() * self.n_vectors
     }
 
     /// Internal force `dW/dq` (N, one for each scaled coordinate) into `force`; returns the strain energy W (J).
@@ -234,14 +193,14 @@ impl NonlinearElement {
     /// Tangent `d force / dq` (N/m), symmetric, by columns into `tangent` (both triangles).
     pub fn tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
         self.arch.dispatch(Tangent { element: self, q, geometric: true, scratch });
-        self.write_tangent(scratch, tangent);
+        self.tangent.expansion.write(scratch, tangent);
     }
 
     /// The part of the tangent that stems from the law alone, without stress: `beta` times it is the
     /// derivative of the Kelvin-Voigt force by the velocities.
     pub fn material_tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
         self.arch.dispatch(Tangent { element: self, q, geometric: false, scratch });
-        self.write_tangent(scratch, tangent);
+        self.tangent.expansion.write(scratch, tangent);
     }
 
     /// Floating point operations of one force, counting a multiply-add as two.
@@ -261,8 +220,8 @@ impl NonlinearElement {
         let classes: usize = self.classes.iter().map(of_class).sum();
         let contraction = 2 * 3 * fields * fields;
         // node by node: value and slope of F, then the force of both; factors of the coefficients
-        let nodes = 2 * 3 * (2 + 2) * self.n_nodes * self.n_vectors + 3 * (1 + 2) * fields;
-        self.n_stations * (products + classes + contraction + nodes)
+        let nodes = 2 * 3 * (2 + 2) * self.stations.n_nodes() * self.n_vectors + 3 * (1 + 2) * fields;
+        self.stations.count * (products + classes + contraction + nodes)
     }
 
     /// What belongs to the coefficients of F_x, F_y and F_z, which lie one after the other.
@@ -275,19 +234,9 @@ impl NonlinearElement {
     /// Coefficients of F, three components each, at a batch of stations: as many as a vector holds.
     #[inline(always)]
     fn gradient<S: Simd>(&self, simd: S, q: &[f64], batch: usize, f: &mut [[S::f64s; 3]]) {
-        let width = self.padded / S::F64_LANES;
-        let [values, slopes] = self.axial.each_ref().map(|table| S::as_simd_f64s(table).0);
         let starts = [0, self.fields[0], self.fields[0] + self.fields[1]];
         for (k, roles) in self.vectors.iter().enumerate() {
-            let (mut value, mut slope) = ([simd.splat_f64s(0.0); 3], [simd.splat_f64s(0.0); 3]);
-            for node in 0..self.n_nodes {
-                let q = &q[3 * (node * self.n_vectors + k)..][..3];
-                for i in 0..3 {
-                    let q = simd.splat_f64s(q[i]);
-                    value[i] = simd.mul_add_e_f64s(q, values[node * width + batch], value[i]);
-                    slope[i] = simd.mul_add_e_f64s(q, slopes[node * width + batch], slope[i]);
-                }
-            }
+            let [value, slope] = self.stations.collapse(simd, q, (k, self.n_vectors), batch);
             for alpha in 0..3 {
                 let Some((e, factor)) = roles[alpha] else { continue };
                 let along = if alpha == 0 { &slope } else { &value };
@@ -307,10 +256,4 @@ impl NonlinearElement {
         }
         sum
     }
-}
-
-/// Place of a pair of directions in [`PAIRS`].
-#[inline(always)]
-fn place(alpha: usize, beta: usize) -> usize {
-    [[0, 3, 4], [3, 1, 5], [4, 5, 2]][alpha][beta]
 }

@@ -9,7 +9,6 @@
 
 use crate::vectors::exponents;
 use pulp::Simd;
-use pulp::bytemuck::{Pod, cast_slice_mut};
 use std::ops::Range;
 
 /// Number of monomials up to a total degree.
@@ -212,31 +211,4 @@ fn contract_rows<S: Simd, const R: usize>(
         }
     }
     sums
-}
-
-/// Memory that starts on a cache line: a vector that straddles two lines takes twice the time.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Pool {
-    values: Vec<f64>,
-}
-
-impl Pool {
-    /// `count` values: what an earlier use, if it took as many or more, has left there.
-    pub fn take(&mut self, count: usize) -> &mut [f64] {
-        const LINE: usize = 64;
-        let needed = count + LINE / size_of::<f64>();
-        if self.values.len() < needed {
-            self.values.resize(needed, 0.0);
-        }
-        let start = self.values.as_ptr().align_offset(LINE);
-        &mut self.values[start..start + count]
-    }
-}
-
-/// Takes `count` values of a type made of floats from the front of a pool.
-#[inline(always)]
-pub(super) fn take<'a, T: Pod>(pool: &mut &'a mut [f64], count: usize) -> &'a mut [T] {
-    let (front, rest) = std::mem::take(pool).split_at_mut(count * size_of::<T>() / size_of::<f64>());
-    *pool = rest;
-    cast_slice_mut(front)
 }

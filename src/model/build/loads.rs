@@ -1,11 +1,11 @@
 //! Loads and probes.
 
-use super::{Input, acts_on};
+use super::Input;
 use crate::case;
 use crate::error::Result;
 use crate::model::mesh::Mesh;
-use crate::model::{Load, LoadKind, Probe, Traction};
-use crate::section::{Section, Shape};
+use crate::model::{Load, LoadKind, Probe, SurfaceLoad, Traction};
+use crate::section::{Section, Shape, Surface};
 
 /// Largest component of a force, moment, traction or acceleration, SI.
 const LARGEST: f64 = 1e30;
@@ -24,23 +24,26 @@ impl Input<'_> {
         Ok(())
     }
 
-    pub(super) fn loads(&self, mesh: &Mesh) -> Result<(Vec<Load>, Vec<Traction>)> {
+    pub(super) fn loads(&self, mesh: &Mesh, sections: &[Section]) -> Result<(Vec<Load>, Vec<Traction>)> {
         let length: f64 = mesh.elements.iter().map(|e| e.length).sum();
         let (mut loads, mut tractions) = (Vec::new(), Vec::new());
         for (i, load) in self.case.loads.iter().enumerate() {
             let path = format!("loads.{i}");
             let local = load.force.is_some() || load.moment.is_some();
-            let spread = load.surface.is_some() && load.traction.is_some();
-            let surface_keys = load.surface.is_some() || load.traction.is_some() || load.follower.is_some();
-            let allowed = "at with force or moment; or surface with traction";
+            let spread = load.surface.is_some() && (load.traction.is_some() != load.pressure.is_some());
+            let surface_keys = load.surface.is_some()
+                || load.traction.is_some()
+                || load.pressure.is_some()
+                || load.follower.is_some();
+            let allowed = "at with force or moment; or surface with traction or pressure";
             if local == spread || (local && surface_keys) || (spread && load.acts_on.is_some()) {
                 return self.fault(&path, "the load is incomplete or mixed", allowed);
             }
             if load.follower == Some(true) {
                 return self.fault(
                     &format!("{path}.follower"),
-                    "tractions that follow the surface are not part of this version",
-                    "false: a traction that keeps its direction and acts on the undeformed area",
+                    "loads that follow the surface are not part of this version",
+                    "false: a load that keeps its direction and acts on the undeformed area",
                 );
             }
             match load.at {
@@ -49,16 +52,13 @@ impl Input<'_> {
                 _ => {
                     return self.fault(
                         &format!("{path}.at"),
-                        "a force or moment acts at a place, a traction on a surface",
+                        "a force or moment acts at a place, a traction or pressure on a surface",
                         allowed,
                     );
                 }
             }
             let node = mesh.node_at(load.at.map_or(0.0, |at| at.0));
-            if local {
-                self.not_on_an_empty_axis(&path, load.acts_on, mesh, node)?;
-            }
-            let acts_on = acts_on(load.acts_on);
+            let acts_on = self.acts_on(&path, load.acts_on, mesh, sections, node)?;
             if let Some(force) = load.force.map(|f| f.map(|c| c.0)) {
                 self.bounded(&format!("{path}.force"), force)?;
                 loads.push(Load { node, kind: LoadKind::Force(force), acts_on });
@@ -67,10 +67,27 @@ impl Input<'_> {
                 self.bounded(&format!("{path}.moment"), moment)?;
                 loads.push(Load { node, kind: LoadKind::Moment(moment), acts_on });
             }
-            if let (Some(surface), Some(traction)) = (load.surface, load.traction) {
-                let traction = traction.map(|c| c.0);
+            let Some(surface) = load.surface else { continue };
+            let surface = match surface {
+                case::Surface::Top => Surface::Top,
+                case::Surface::Bottom => Surface::Bottom,
+                case::Surface::Bore => Surface::Bore,
+                case::Surface::Rim => Surface::Rim,
+            };
+            if surface == Surface::Bore && !mesh.elements.iter().any(|e| sections[e.section].is_hollow()) {
+                return self.fault(
+                    &format!("{path}.surface"),
+                    "no section of the shaft has a bore",
+                    "top, bottom or rim",
+                );
+            }
+            if let Some(traction) = load.traction.map(|t| t.map(|c| c.0)) {
                 self.bounded(&format!("{path}.traction"), traction)?;
-                tractions.push(Traction { top: surface == case::Surface::Top, traction });
+                tractions.push(Traction { surface, load: SurfaceLoad::Traction(traction) });
+            }
+            if let Some(pressure) = load.pressure {
+                self.within(&format!("{path}.pressure"), pressure.0.abs(), 0.0, LARGEST)?;
+                tractions.push(Traction { surface, load: SurfaceLoad::Pressure(pressure.0) });
             }
         }
         Ok((loads, tractions))
