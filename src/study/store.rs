@@ -11,11 +11,14 @@ use std::path::{Path, PathBuf};
 /// What became of a point: its measurement, or why there is none.
 pub type PointOutcome = std::result::Result<Measurement, String>;
 
-/// SHA-256 over program version, processor, analysis, quantity and the case with its settings, without what it expects.
+/// SHA-256 over program version, processor, analysis, quantity and the case with its settings, without its words and
+/// what it expects.
 pub fn key(case: &Value, analysis: &str, block: &Tradeoff, processor: &str) -> String {
     let mut computed = case.clone();
     if let Value::Object(map) = &mut computed {
-        map.shift_remove("expected");
+        for key in ["title", "description", "source", "expected"] {
+            map.shift_remove(key);
+        }
     }
     let whole = json!([env!("CARGO_PKG_VERSION"), processor, analysis, block.quantity, computed]);
     Sha256::digest(whole.to_string()).iter().map(|byte| format!("{byte:02x}")).collect()
