@@ -451,6 +451,41 @@ fn the_chosen_case_runs() {
     assert_eq!(first.expect("bending")["frequency_hz"], results["points"][index]["value"]);
 }
 
+/// The choice keeps its error against a run that the study did not make, on four times the elements of its finest mesh.
+#[test]
+fn the_choice_holds_against_a_finer_run() {
+    let target = 1e-2;
+    let folder = workplace(|_| ());
+    let got = rotor(folder.path(), &["tradeoff", "short.json", "--out", "o", "--error", "1e-2"]);
+    assert!(got.status.success(), "{}", text(&got.stderr));
+    let bending = |set: &str, out: &str| {
+        let run = ["modes", "o/chosen.json", "--out", out, "--set", set, "--quiet", "--no-plots"];
+        let got = rotor(folder.path(), &run);
+        assert!(got.status.success(), "{}", text(&got.stderr));
+        let modes = read(folder.path().join(out).join("modes.json"))["results"]["modes"].clone();
+        let first = modes.as_array().expect("modes").iter().find(|m| m["kind"] == "bending").cloned();
+        first.expect("bending")["frequency_hz"].as_f64().expect("number")
+    };
+    let chosen = bending("modes.count=12", "c");
+    let finer = bending("shaft.segments.0.elements=16", "f");
+    let error = (chosen / finer - 1.0).abs();
+    assert!(error > 0.0 && error <= target, "{error}");
+    // what is cheaper and coarser misses it: the choice had something to choose
+    let coarsest = bending("shaft.segments.0.elements=1", "one");
+    assert!((coarsest / finer - 1.0).abs() > target, "{coarsest} {finer}");
+}
+
+/// The studies of the repository lay out their points; "auto" is a member like any other.
+#[test]
+fn the_studies_of_the_repository_are_sound() {
+    for (name, points) in [("bauchau", 42), ("table8", 133), ("tube", 35)] {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let path = root.join(format!("cases/studies/tradeoff-{name}.json"));
+        let loaded = rotor::case::Case::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(study::plan(&loaded).unwrap_or_else(|e| panic!("{e}")).points.len(), points);
+    }
+}
+
 /// Exit 1, the report is there and says what was reached; the choice of an earlier run goes.
 #[test]
 fn an_error_out_of_reach_is_told() {
