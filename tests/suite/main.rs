@@ -10,6 +10,8 @@ mod golden;
 mod identities;
 mod input;
 mod integrators;
+mod interrupted;
+mod mutations;
 mod nonlinear;
 mod plots;
 mod published;
