@@ -30,7 +30,7 @@ Examples:
   rotor spinup cases/table8-spin-circle.json
   rotor static cases/table5-cantilever.json --set shaft.segments.0.elements=16
   rotor check cases/jeffcott.json
-  rotor tradeoff cases/studies/tradeoff-tube.json --error 1e-3
+  rotor tradeoff studies/tradeoff/tradeoff-tube.json --error 1e-3
   rotor validate
 
 Exit codes: 0 done; 1 the analysis did not succeed (no convergence, out of tolerance); 2 bad input or usage.";

@@ -29,8 +29,8 @@ With --error the cheapest point within the error is written to chosen.json, a ca
 that finer points of the grid confirm goes before one that has none, and that before one that a finer point refutes.
 
 Examples:
-  rotor tradeoff cases/studies/tradeoff-tube.json
-  rotor tradeoff cases/studies/tradeoff-tube.json --error 1e-3 --out study/tube
+  rotor tradeoff studies/tradeoff/tradeoff-tube.json
+  rotor tradeoff studies/tradeoff/tradeoff-tube.json --error 1e-3 --out study/tube
   rotor modes study/tube/chosen.json
 
 Exit codes: 0 done; 1 no point reaches the error, or none has a value; 2 bad input or usage.";

@@ -250,6 +250,12 @@ fn an_interrupted_run_up_reports_what_is_done() {
 #[test]
 fn commands_of_the_readme_run() {
     let folder = workplace();
+    let study = Path::new("studies/tradeoff");
+    std::fs::create_dir_all(folder.path().join(study)).expect("folder");
+    for name in files(&project().join(study)) {
+        std::fs::copy(project().join(study).join(&name), folder.path().join(study).join(&name))
+            .expect("copy");
+    }
     let readme = read(project().join("README.md"));
     let mut commands = 0;
     for line in readme.lines().filter_map(|l| l.strip_prefix("$ ")) {

@@ -480,7 +480,7 @@ fn the_choice_holds_against_a_finer_run() {
 fn the_studies_of_the_repository_are_sound() {
     for (name, points) in [("bauchau", 42), ("table8", 133), ("tube", 35)] {
         let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-        let path = root.join(format!("cases/studies/tradeoff-{name}.json"));
+        let path = root.join(format!("studies/tradeoff/tradeoff-{name}.json"));
         let loaded = rotor::case::Case::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(study::plan(&loaded).unwrap_or_else(|e| panic!("{e}")).points.len(), points);
     }
