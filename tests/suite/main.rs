@@ -10,6 +10,7 @@ mod golden;
 mod identities;
 mod input;
 mod integrators;
+mod limits;
 mod nonlinear;
 mod plots;
 mod published;
