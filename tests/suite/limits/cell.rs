@@ -82,7 +82,8 @@ pub fn cell(
         said: Vec::new(),
         refused: None,
     };
-    let refused = |e: Error| Some((e.exit_code(), e.to_string().lines().next().unwrap_or_default().to_owned()));
+    let refused =
+        |e: Error| Some((e.exit_code(), e.to_string().lines().next().unwrap_or_default().to_owned()));
     let checked = Model::new(case).and_then(|model| check(&model));
     match (checked, measure(case)) {
         (Ok(checked), Ok((value, remarks))) => {
