@@ -37,6 +37,8 @@ const SMALL_BORE: (f64, f64) = (1.5e-3, 2e-14);
 const TINY_BORE: f64 = 1e-5;
 /// Share of rounding in the growth of a slow shaft from which a warning is due.
 const SLOW: f64 = 1e-4;
+/// Poisson's ratio below which G/E, above five, makes the missing warping of a quadratic section felt.
+const AUXETIC: f64 = -0.9;
 /// Error of the ovalling of a ring member from which a warning is due.
 const POOR_OVALLING: f64 = 0.02;
 
@@ -209,6 +211,16 @@ pub fn estimates(model: &Model, assembly: &Assembly<'_>, diagnostics: &mut Vec<D
                      section can't deform as Poisson's ratio {} asks; 34X2 or more, rings with h 2 or more",
                     100.0 * excess,
                     100.0 * ((1.0 + excess).sqrt() - 1.0),
+                    material.poisson_ratio
+                ),
+            );
+        }
+        if basis == SectionBasis::Monomials(2) && material.poisson_ratio < AUXETIC {
+            warn(
+                "auxetic",
+                format!(
+                    "{name} has no cubic warping: at Poisson's ratio {} bending is too stiff by a share that grows with (r/L)^2 G/E; \
+                     34X3 or more",
                     material.poisson_ratio
                 ),
             );

@@ -4,6 +4,7 @@ mod analytical;
 mod attachments;
 mod cli;
 mod common;
+mod convergence;
 mod element;
 mod frames;
 mod golden;

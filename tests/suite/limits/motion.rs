@@ -90,8 +90,8 @@ pub fn tolerances() -> Vec<Cell> {
     let mut list = Vec::new();
     let exact = closed_form(&Section::circle(0.1), &material(), 140.0, 0.1).expect("a circle");
     for rtol in [1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12] {
-        let spin = json!({ "drive": [{ "until": 0.1, "speed": 140 }], "rtol": rtol, "atol": rtol * 1e-3 });
-        let case = turning(circle(0.1), 2.0, 3, "34X3", spin);
+        let spin = json!({ "drive": [{ "until": 0.05, "speed": 140 }], "rtol": rtol, "atol": rtol * 1e-3, "max_steps": 4000 });
+        let case = turning(circle(0.1), 2.0, 2, "34X3", spin);
         list.push(cell(
             "rtol",
             format!("{rtol:e}"),
