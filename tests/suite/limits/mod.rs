@@ -10,7 +10,7 @@ use cell::Cell;
 
 /// Share of rounding beyond which a result needs a warning, whatever its bound.
 const ROUNDED: f64 = 2e-6;
-/// Steps of the energy's drift: the million of the documentation take half a minute.
+/// Steps of the energy's drift: a million take half a minute.
 const STEPS: usize = 10_000;
 
 const HEAD: &str = "# Limits
@@ -19,7 +19,7 @@ Made by `ROTOR_WRITE_DOCS=1 cargo test --release --test suite limits::`, compare
 within one and a half decades). Error: relative, against the quantity named. Rounding: largest relative change when all lengths are scaled by 1.7 and
 0.37, which changes nothing but rounding; digits: the decimal digits it took of sixteen. Verdict: **within** its bound; **warned**: beyond it, and
 `check` or the run says why; **refused**: exit code and reason. A cell that is none of these fails the test, as does one that loses ten digits
-without a word.
+without a word. The transient takes ten thousand steps; over a million the same run lost 6.2e-2 of the energy, also with a warning.
 
 | extreme | case | quantity | error | bound | rounding | digits lost | verdict | the program says |
 |---|---|---|---|---|---|---|---|---|
@@ -55,8 +55,7 @@ fn every_cell_is_within_its_bound_or_says_so() {
     list.extend(linear::bearings());
     list.extend(motion::speeds());
     list.extend(motion::tolerances());
-    let many = std::env::var_os("ROTOR_WRITE_DOCS").is_some();
-    list.push(motion::drift(if many { 100 * STEPS } else { STEPS }));
+    list.push(motion::drift(STEPS));
     for c in &list {
         assert!(c.verdict() != "SILENT", "{}", row(c));
         let rounded = c.noise.is_some_and(|n| n > ROUNDED);
