@@ -717,11 +717,18 @@ impl Case {
     /// # Errors
     /// A file that can't be read, is not JSON, or has unknown keys or wrong types; a bad override.
     pub fn load(path: &Path, set: &[String]) -> Result<LoadedCase> {
-        let file = path.display().to_string();
         let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "read", &e))?;
-        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        Self::parse(&path.display().to_string(), &text, set)
+    }
+
+    /// A case from the text of a file, with overrides; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// Text that is not JSON, or has unknown keys or wrong types; a bad override.
+    pub fn parse(file: &str, text: &str, set: &[String]) -> Result<LoadedCase> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let Strict(mut value) = serde_json::from_str(text).map_err(|e| Error::Syntax {
-            file: file.clone(),
+            file: file.to_owned(),
             line: e.line(),
             column: e.column(),
             message: e.to_string().split(" at line ").next().unwrap_or_default().to_owned(),
@@ -736,7 +743,7 @@ impl Case {
             };
             replace(&mut value, path, new)?;
         }
-        LoadedCase::from_value(&file, value)
+        LoadedCase::from_value(file, value)
     }
 }
 

@@ -41,6 +41,11 @@ const DIMENSIONS: [(&str, Units); 14] = [
     ("acceleration", ACCELERATION),
 ];
 
+/// Smallest size of a quantity but zero, in SI.
+const SMALLEST: f64 = 1e-30;
+/// Largest size of a quantity, in SI: products of ten of them are numbers.
+const LARGEST: f64 = 1e30;
+
 fn list(units: Units) -> String {
     units.iter().map(|u| u.0).collect::<Vec<_>>().join(", ")
 }
@@ -60,11 +65,7 @@ fn parse(text: &str, name: &str, units: Units) -> Result<f64, String> {
     }
     if let Some((_, factor)) = units.iter().find(|u| u.0 == unit) {
         let scaled = value * factor;
-        return if scaled.is_finite() {
-            Ok(scaled)
-        } else {
-            Err(format!("\"{text}\" is not a finite number"))
-        };
+        return within_range(scaled).map_err(|reason| format!("\"{text}\" {reason}"));
     }
     if let Some((other, _)) = DIMENSIONS.iter().find(|(_, u)| u.iter().any(|u| u.0 == unit)) {
         return Err(format!("\"{unit}\" is a unit of {other}, but a {name} is needed; {hint}"));
@@ -79,6 +80,15 @@ fn parse(text: &str, name: &str, units: Units) -> Result<f64, String> {
     Err(format!("unknown unit \"{unit}\"{near}; {hint}"))
 }
 
+/// Refuses sizes whose products would leave the range of numbers.
+fn within_range(value: f64) -> Result<f64, String> {
+    if value == 0.0 || (SMALLEST..=LARGEST).contains(&value.abs()) {
+        Ok(value)
+    } else {
+        Err(format!("is no size to calculate with: 0 or from {SMALLEST:e} to {LARGEST:e} in SI units"))
+    }
+}
+
 struct QuantityVisitor {
     name: &'static str,
     units: Units,
@@ -91,7 +101,7 @@ impl de::Visitor<'_> for QuantityVisitor {
         write!(f, "a {}: a number in SI or a string with one of: {}", self.name, list(self.units))
     }
     fn visit_f64<E: de::Error>(self, value: f64) -> Result<f64, E> {
-        if value.is_finite() { Ok(value) } else { Err(E::custom("not a finite number")) }
+        within_range(value).map_err(|reason| E::custom(format!("{value:e} {reason}")))
     }
     fn visit_i64<E: de::Error>(self, value: i64) -> Result<f64, E> {
         Ok(value as f64)

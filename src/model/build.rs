@@ -2,7 +2,7 @@
 
 mod loads;
 mod motion;
-use super::mesh::{Mesh, SegmentPlan};
+use super::mesh::{Mesh, SHORTEST, SegmentPlan};
 use super::{
     ActsOn, Bearing, CampbellSettings, Disk, ElementKind, Form, Gyroscopic, Hub, Law, Material, Model,
     SectionHold, Support, SupportKind, WhirlFrame,
@@ -315,6 +315,15 @@ impl Input<'_> {
                 section,
                 material: self.named(&at("material"), "material", &segment.material, materials)?,
             });
+        }
+        let total: f64 = plans.iter().map(|p| p.length).sum();
+        // a sum beyond all numbers is refused here, too
+        if let Some(i) = plans.iter().position(|p| !(p.length >= SHORTEST * total)) {
+            return self.fault(
+                &format!("shaft.segments.{i}.length"),
+                format!("this segment vanishes beside the shaft's length of {total:e} m"),
+                format!("at least {SHORTEST:e} of the shaft"),
+            );
         }
         for (i, pair) in plans.windows(2).enumerate() {
             if shapes[pair[0].section].common(&shapes[pair[1].section]).is_none() {

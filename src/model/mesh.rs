@@ -6,6 +6,9 @@ use crate::section::Section;
 /// Share of the shaft's length within which two positions are one.
 const SAME: f64 = 1e-9;
 
+/// Share of the shaft's length that a segment needs for ends of its own.
+pub const SHORTEST: f64 = 1e-8;
+
 /// A checked segment.
 #[derive(Debug, Clone, Copy)]
 pub struct SegmentPlan {

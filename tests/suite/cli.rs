@@ -9,11 +9,11 @@ fn project() -> &'static Path {
 }
 
 /// Runs the program in a folder of its own that has the cases.
-fn rotor(folder: &Path, arguments: &[&str]) -> Output {
+pub fn rotor(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_rotor")).args(arguments).current_dir(folder).output().expect("runs")
 }
 
-fn workplace() -> tempfile::TempDir {
+pub fn workplace() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("folder");
     std::fs::create_dir(folder.path().join("cases")).expect("folder");
     for entry in std::fs::read_dir(project().join("cases")).expect("cases") {
@@ -24,7 +24,7 @@ fn workplace() -> tempfile::TempDir {
     folder
 }
 
-fn files(folder: &Path) -> Vec<String> {
+pub fn files(folder: &Path) -> Vec<String> {
     let mut list: Vec<String> = std::fs::read_dir(folder)
         .map(|entries| {
             entries.map(|e| e.expect("entry").file_name().to_string_lossy().into_owned()).collect()
@@ -34,11 +34,11 @@ fn files(folder: &Path) -> Vec<String> {
     list
 }
 
-fn read(path: PathBuf) -> String {
+pub fn read(path: PathBuf) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-fn text(bytes: &[u8]) -> String {
+pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 

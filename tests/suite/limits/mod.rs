@@ -10,8 +10,8 @@ use cell::Cell;
 
 /// Share of rounding beyond which a result needs a warning, whatever its bound.
 const ROUNDED: f64 = 2e-6;
-/// Steps of the energy's drift: a million take half a minute.
-const STEPS: usize = 10_000;
+/// Steps of the energy's drift.
+const STEPS: usize = 1_000_000;
 
 const HEAD: &str = "# Limits
 
@@ -19,11 +19,24 @@ Made by `ROTOR_WRITE_DOCS=1 cargo test --release --test suite limits::`, compare
 within one and a half decades). Error: relative, against the quantity named. Rounding: largest relative change when all lengths are scaled by 1.7 and
 0.37, which changes nothing but rounding; digits: the decimal digits it took of sixteen. Verdict: **within** its bound; **warned**: beyond it, and
 `check` or the run says why; **refused**: exit code and reason. A cell that is none of these fails the test, as does one that loses ten digits
-without a word. The transient takes ten thousand steps; over a million the same run lost 6.2e-2 of the energy, also with a warning.
+without a word.
 
 | extreme | case | quantity | error | bound | rounding | digits lost | verdict | the program says |
 |---|---|---|---|---|---|---|---|---|
 ";
+
+/// Warnings that speak of what is wrong in a family of cells.
+fn relevant(family: &str) -> &'static [&'static str] {
+    match family {
+        "slenderness L/r" | "number of elements" | "member" => &["coarse-mesh"],
+        "wall t/r" => &["ring-ovals", "hollow-section", "section-basis"],
+        "bore / rim" => &["hollow-growth"],
+        "Poisson's ratio" => &["bending-locks", "auxetic"],
+        "speed (rad/s)" => &["slow-spin"],
+        "rtol" | "ramp (s)" | "transient steps" => &["energy-error"],
+        _ => &[],
+    }
+}
 
 fn row(c: &Cell) -> String {
     let number = |v: Option<f64>| v.map_or("-".to_owned(), |v| format!("{v:.1e}"));
@@ -57,7 +70,8 @@ fn every_cell_is_within_its_bound_or_says_so() {
     list.extend(motion::tolerances());
     list.push(motion::drift(STEPS));
     for c in &list {
-        assert!(c.verdict() != "SILENT", "{}", row(c));
+        let said = c.said.iter().any(|code| relevant(c.family).contains(&code.as_str()));
+        assert!(c.verdict() != "SILENT" && (c.verdict() != "warned" || said), "{}", row(c));
         let rounded = c.noise.is_some_and(|n| n > ROUNDED);
         assert!(
             !rounded || c.said.iter().any(|s| s == "rounding" || s == "thin-wall"),

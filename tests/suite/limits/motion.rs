@@ -140,5 +140,13 @@ pub fn drift(steps: usize) -> Cell {
         "integrator": "generalized-alpha", "rho_infinity": 1.0, "step": step, "max_steps": 2 * steps, "output": 11
     });
     let case = turning(circle(0.1), 2.0, 1, "34X1", spin);
-    cell("transient steps", "generalized-alpha, 10 us", "energy that is lost", &case, energy, 0, (1.0, 1e-3))
+    cell(
+        "transient steps",
+        "generalized-alpha, a million of 10 us",
+        "energy that is lost",
+        &case,
+        energy,
+        0,
+        (1.0, 1e-3),
+    )
 }

@@ -1,0 +1,223 @@
+//! Mutated cases: accepted or refused, never a panic, a hang or a number that is none.
+//!
+//! Every case of the repository is changed at random, as JSON and as text. `MUTATIONS=1000000` sets how many are
+//! tried, `PROPTEST_RNG_SEED=2` another sequence. A failure prints the text; it goes to `tests/corpus`, as do those
+//! that the fuzzer of `tests/fuzz` finds.
+
+use crate::common::case_files;
+use proptest::prelude::*;
+use proptest::sample::Index;
+use proptest::test_runner::RngSeed;
+use rotor::analysis::check::check;
+use rotor::case::{Case, LoadedCase};
+use rotor::model::Model;
+use rotor::run::{Analysis, run};
+use serde_json::{Value, json};
+use std::path::Path;
+use std::sync::LazyLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+/// No input may take longer.
+const HANG: Duration = Duration::from_secs(5);
+
+/// How many mutations are tried, unless the environment says otherwise.
+fn count(default: u32) -> u32 {
+    std::env::var("MUTATIONS").ok().and_then(|n| n.parse().ok()).unwrap_or(default)
+}
+
+/// The same sequence in each run, so that a change is not blamed for what another sequence finds.
+fn config(cases: u32) -> ProptestConfig {
+    let seed = std::env::var("PROPTEST_RNG_SEED").ok().and_then(|n| n.parse().ok()).unwrap_or(1);
+    let rng_seed = RngSeed::Fixed(seed);
+    ProptestConfig { cases, rng_seed, failure_persistence: None, ..ProptestConfig::default() }
+}
+
+/// The cases of the repository, two elements to a segment.
+static CASES: LazyLock<Vec<Value>> = LazyLock::new(|| {
+    let read = |path: &std::path::PathBuf| {
+        let mut value = Case::load(path, &[]).unwrap_or_else(|e| panic!("{e}")).value;
+        let segments = value.pointer_mut("/shaft/segments").and_then(Value::as_array_mut);
+        segments.into_iter().flatten().for_each(|segment| segment["elements"] = json!(2));
+        // prose and long lists of what is expected would take most of the changes
+        value["description"] = json!("");
+        value["expected"].as_array_mut().into_iter().for_each(|list| list.truncate(1));
+        value
+    };
+    case_files().iter().map(read).collect()
+});
+
+/// What `rotor check` does with a text, without files: an error of exit code 2, or a report of numbers.
+fn feed(text: &str) -> Option<LoadedCase> {
+    let started = Instant::now();
+    let loaded = Case::parse("mutated.json", text, &[]).and_then(|loaded| {
+        let outcome = check(&Model::new(&loaded)?)?;
+        finite(&serde_json::to_value(&outcome.results).unwrap_or_else(|e| panic!("{e}: {text}")), text);
+        Ok(loaded)
+    });
+    assert!(started.elapsed() < HANG, "{:?}: {text}", started.elapsed());
+    loaded.map_err(|error| assert_eq!(error.exit_code(), 2, "{error}: {text}")).ok()
+}
+
+/// JSON turns numbers that are none into null; a check holds no other nulls.
+fn finite(value: &Value, text: &str) {
+    match value {
+        Value::Object(map) => map.values().for_each(|v| finite(v, text)),
+        Value::Array(list) => list.iter().for_each(|v| finite(v, text)),
+        other => assert!(!other.is_null(), "not a number: {text}"),
+    }
+}
+
+/// Pointers to every value of a case.
+fn places(value: &Value, at: &str, into: &mut Vec<String>) {
+    into.push(at.to_owned());
+    match value {
+        Value::Object(map) => map.iter().for_each(|(k, v)| places(v, &format!("{at}/{k}"), into)),
+        Value::Array(list) => {
+            list.iter().enumerate().for_each(|(i, v)| places(v, &format!("{at}/{i}"), into));
+        }
+        _ => {}
+    }
+}
+
+/// A change of a case.
+#[derive(Debug, Clone)]
+enum Change {
+    /// Another value in its place.
+    Replace(Value),
+    /// A number times a factor.
+    Scale(f64),
+    /// Gone.
+    Remove,
+    /// An entry of a list once more.
+    Repeat,
+    /// A value of this case or another one in its place.
+    Copy(Index, Index),
+}
+
+fn changes() -> impl Strategy<Value = Change> {
+    let numbers = [0.0, -0.0, -1.0, 1e308, -1e308, 1e-308, 5e-324, 1e16, 0.5, 1e-12].map(|x| json!(x));
+    let words =
+        ["", "1e400 m", "-3 mm", "1 furlong", "all", "34X5", "34R23", "34R99", "3333c", "none", "\u{0}"];
+    let others = [
+        json!(null),
+        json!(true),
+        json!([]),
+        json!({}),
+        json!(u64::MAX),
+        json!(i64::MIN),
+        json!([[0, 0], [0, 0]]),
+    ];
+    let fixed: Vec<Value> = numbers.into_iter().chain(words.map(|w| json!(w))).chain(others).collect();
+    prop_oneof![
+        4 => prop::sample::select(fixed).prop_map(Change::Replace),
+        2 => any::<f64>().prop_filter("finite", |x| x.is_finite()).prop_map(|x| Change::Replace(json!(x))),
+        1 => any::<u32>().prop_map(|x| Change::Replace(json!(x))),
+        4 => (-20i32..21).prop_map(|e| Change::Scale(10f64.powi(e))),
+        2 => Just(Change::Remove),
+        1 => Just(Change::Repeat),
+        3 => any::<(Index, Index)>().prop_map(|(a, b)| Change::Copy(a, b)),
+    ]
+}
+
+fn apply(value: &mut Value, place: &Index, change: &Change) {
+    let mut list = Vec::new();
+    places(value, "", &mut list);
+    let at = &list[place.index(list.len())];
+    // the case as a whole cannot be removed
+    let Some((parent, key)) = at.rsplit_once('/') else { return };
+    match change {
+        Change::Remove | Change::Repeat => match (value.pointer_mut(parent), change) {
+            (Some(Value::Object(map)), Change::Remove) => drop(map.shift_remove(key)),
+            (Some(Value::Array(list)), _) => {
+                let i: usize = key.parse().expect("a place in a list");
+                match change {
+                    Change::Repeat => list.push(list[i].clone()),
+                    _ => drop(list.remove(i)),
+                }
+            }
+            _ => {}
+        },
+        Change::Replace(new) => *value.pointer_mut(at).expect("a place") = new.clone(),
+        Change::Scale(factor) => {
+            let value = value.pointer_mut(at).expect("a place");
+            if let Some(x) = value.as_f64().map(|x| x * factor).filter(|x| x.is_finite()) {
+                *value = json!(x);
+            }
+        }
+        Change::Copy(case, from) => {
+            let other = &CASES[case.index(CASES.len())];
+            let mut list = Vec::new();
+            places(other, "", &mut list);
+            let new = other.pointer(&list[from.index(list.len())]).cloned();
+            *value.pointer_mut(at).expect("a place") = new.expect("a place");
+        }
+    }
+}
+
+fn mutated() -> impl Strategy<Value = String> {
+    let list = prop::collection::vec((any::<Index>(), changes()), 1..5);
+    (any::<Index>(), list).prop_map(|(case, list)| {
+        let mut value = CASES[case.index(CASES.len())].clone();
+        list.iter().for_each(|(place, change)| apply(&mut value, place, change));
+        value.to_string()
+    })
+}
+
+proptest! {
+    #![proptest_config(config(count(100_000)))]
+
+    #[test]
+    fn mutated_cases_are_checked_or_refused(text in mutated()) {
+        feed(&text);
+    }
+}
+
+proptest! {
+    #![proptest_config(config(count(100_000) / 10))]
+
+    /// The text itself cut and overwritten.
+    #[test]
+    fn damaged_texts_are_refused(
+        case in any::<Index>(),
+        edits in prop::collection::vec((any::<Index>(), 0usize..6, "[ -~]{0,3}|[\\[\\]{}\",:.eE+-]{1,4}"), 1..4),
+    ) {
+        let mut text: Vec<char> = CASES[case.index(CASES.len())].to_string().chars().collect();
+        for (at, removed, new) in edits {
+            let at = at.index(text.len());
+            text.splice(at..(at + removed).min(text.len()), new.chars());
+        }
+        feed(&text.into_iter().collect::<String>());
+    }
+}
+
+proptest! {
+    #![proptest_config(config(count(100_000) / 500))]
+
+    /// Whole analyses of what is accepted: a report of numbers, or an error that says what failed.
+    #[test]
+    fn mutated_cases_are_analysed_or_refused(text in mutated()) {
+        let Some(loaded) = feed(&text) else { return Ok(()) };
+        for analysis in [Analysis::Modes, Analysis::Campbell, Analysis::Static, Analysis::Spinup] {
+            // a transient is ended after some steps
+            let calls = AtomicUsize::new(0);
+            let watch = |_: f64, _: &str| calls.fetch_add(1, Ordering::Relaxed) < 50;
+            if let Err(error) = run(&loaded, analysis, true, &|_| {}, &watch) {
+                assert!([1, 2].contains(&error.exit_code()) && !error.to_string().contains("NaN"), "{error}: {text}");
+            }
+        }
+    }
+}
+
+/// Texts that once failed.
+#[test]
+fn what_once_failed_fails_no_more() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus");
+    let mut read = 0;
+    for entry in std::fs::read_dir(folder).expect("corpus") {
+        let text = std::fs::read(entry.expect("entry").path()).expect("text");
+        feed(&String::from_utf8_lossy(&text));
+        read += 1;
+    }
+    assert!(read > 0);
+}
