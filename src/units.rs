@@ -42,7 +42,7 @@ const DIMENSIONS: [(&str, Units); 14] = [
 ];
 
 /// Smallest size of a quantity but zero, in SI.
-const SMALLEST: f64 = 1e-30;
+const SMALLEST: f64 = 1e-40;
 /// Largest size of a quantity, in SI: products of ten of them are numbers.
 const LARGEST: f64 = 1e30;
 

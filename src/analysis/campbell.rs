@@ -6,6 +6,7 @@
 
 use super::character::Character;
 use super::critical::{self, Criticals};
+use super::estimates::{refuse_dependent, refuse_tiny_bore};
 use super::operators::Operators;
 use super::reduced::{Reduced, Solution, Whirling};
 use super::remarks::{describe_model, offset_remark, refusal, speed_remarks};
@@ -53,6 +54,10 @@ pub fn campbell(
     wall_remarks(model, &mut diagnostics);
     if let Some(refused) = refusal(model, settings) {
         return Err(Error::Usage(format!("{}; remedy: {}", refused.reason, refused.remedy)));
+    }
+    refuse_dependent(model)?;
+    if settings.form == Form::Consistent && settings.speeds.iter().any(|s| *s > 0.0) {
+        refuse_tiny_bore(model)?;
     }
     let assembly = Assembly::new(model);
     let basis = settings.reduction.unwrap_or(60).max(settings.modes + SPARE);

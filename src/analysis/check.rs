@@ -1,5 +1,6 @@
 //! `rotor check`: what will be modelled, how big it is, and what it weighs.
 
+use super::estimates::{bore_remarks, estimates, slow_remark};
 use super::wall::wall_remarks;
 use super::{Outcome, ignored_input, summary};
 use crate::assembly::Assembly;
@@ -112,5 +113,11 @@ pub fn check(model: &Model) -> Result<Outcome<Check>> {
         None => model_summary.left_out.push("spin: no `campbell` block".to_owned()),
     }
     wall_remarks(model, &mut diagnostics);
+    bore_remarks(model, &mut diagnostics);
+    estimates(model, &assembly, &mut diagnostics);
+    if let Some(spin) = &model.spinup {
+        let fastest = spin.drive.iter().map(|p| p.speed).fold(0.0, f64::max);
+        slow_remark(model, fastest, &mut diagnostics);
+    }
     Ok(Outcome { results, model: model_summary, diagnostics })
 }

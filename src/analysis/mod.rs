@@ -7,6 +7,7 @@ pub mod check;
 pub mod critical;
 mod crossings;
 pub mod equilibrium;
+pub mod estimates;
 pub mod growth;
 mod instability;
 pub mod matrices;

@@ -1,6 +1,7 @@
 //! `rotor modes`: natural frequencies and shapes of the shaft at rest.
 
 use super::character::Character;
+use super::estimates::refuse_dependent;
 use super::spectrum::Spectrum;
 use super::wall::wall_remarks;
 use super::{Outcome, ignored_input, summary};
@@ -24,6 +25,7 @@ const OUTLINE: usize = 72;
 /// # Errors
 /// When the eigenvalue solver does not converge.
 pub fn modes(model: &Model) -> Result<Outcome<Modes>> {
+    refuse_dependent(model)?;
     let assembly = Assembly::new(model);
     let spectrum = Spectrum::new(&assembly, model.modes)?;
     let character = Character::new(&assembly)?;

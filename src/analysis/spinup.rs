@@ -4,6 +4,7 @@
 //! the balanced rotor at the highest speed is checked: beyond burst there is none.
 
 use super::equilibrium::{Balance, Equilibrium, NewtonSettings};
+use super::estimates::{bore_remarks, refuse_dependent, refuse_tiny_bore, slow_remark};
 use super::growth::{basis_error, closed_form};
 use super::probes::{Centre, displacement, growth, largest_strain, mid_section, probe_states, profile};
 use super::remarks::Refusal;
@@ -69,7 +70,11 @@ pub fn refusal(model: &Model, settings: &SpinupSettings) -> Option<Refusal> {
 pub fn spinup(model: &Model, settings: &SpinupSettings, watch: Watch<'_>) -> Result<Outcome<Spinup>> {
     let drive = Drive::new(&settings.drive);
     let mut diagnostics = Vec::new();
+    refuse_dependent(model)?;
+    refuse_tiny_bore(model)?;
     growth_remarks(model, &mut diagnostics);
+    bore_remarks(model, &mut diagnostics);
+    slow_remark(model, drive.largest_speed(), &mut diagnostics);
     refuse_beyond_burst(model, drive.largest_speed())?;
     if settings.steady {
         return steady(model, drive.last_speed(), diagnostics);

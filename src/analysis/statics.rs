@@ -1,6 +1,7 @@
 //! `rotor static`: equilibrium under dead loads and gravity, with finite displacements.
 
 use super::equilibrium::{Balance, Equilibrium, NewtonSettings, dot};
+use super::estimates::{bore_remarks, refuse_dependent, refuse_tiny_bore};
 use super::probes::{axis_displacement, largest_strain, probe_states, profile};
 use super::wall::wall_remarks;
 use super::{Outcome, nonlinear_summary};
@@ -23,6 +24,8 @@ const AXIS_POINTS: usize = 201;
 /// # Errors
 /// A load along a motion that no support resists, or an element without nonlinear form.
 pub fn statics(model: &Model) -> Result<Outcome<Static>> {
+    refuse_dependent(model)?;
+    refuse_tiny_bore(model)?;
     let assembly = Assembly::new(model);
     let balance = Balance::new(&assembly, true, 0.0)?;
     refuse_unbalanced(&balance)?;
@@ -35,6 +38,7 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
     let q = balance.coordinates(&state.z);
     let mut diagnostics = Vec::new();
     wall_remarks(model, &mut diagnostics);
+    bore_remarks(model, &mut diagnostics);
     if !model.has_gravity() && !model.has_loads() {
         diagnostics
             .push(Diagnostic::warning("no-loads", "the case has no loads and no gravity: nothing moves"));

@@ -78,3 +78,28 @@ pub fn campbell(case: &LoadedCase) -> rotor::results::Campbell {
 pub fn criticals_rpm(case: &LoadedCase) -> Vec<f64> {
     campbell(case).critical_speeds.iter().map(|c| c.speed_rpm).collect()
 }
+
+/// Compares a document with the one that is kept, or writes it when ROTOR_WRITE_DOCS is set. Words must be equal;
+/// numbers may differ by one and a half decades (rounding differs by machine), below 1e-9 by anything.
+pub fn keep(path: &str, text: &str) {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    if std::env::var_os("ROTOR_WRITE_DOCS").is_some() {
+        std::fs::write(&file, text).expect("written");
+    }
+    let kept = std::fs::read_to_string(&file).unwrap_or_else(|e| panic!("{path}: {e}"));
+    let remake = "remake it with ROTOR_WRITE_DOCS=1";
+    assert_eq!(kept.lines().count(), text.lines().count(), "{path}: other rows; {remake}");
+    for (ours, kept) in text.lines().zip(kept.lines()) {
+        for (a, b) in ours.split('|').zip(kept.split('|')) {
+            let near = match (a.trim().parse::<f64>(), b.trim().parse::<f64>()) {
+                (Ok(x), Ok(y)) => {
+                    let small = |v: f64| v.abs().max(1e-9);
+                    (small(x) / small(y)).log10().abs() <= 1.5
+                }
+                _ => a == b,
+            };
+            assert!(near, "{path}: {ours}\nkept {kept}\n{remake}");
+        }
+        assert_eq!(ours.matches('|').count(), kept.matches('|').count(), "{path}: {remake}");
+    }
+}

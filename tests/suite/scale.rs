@@ -9,14 +9,18 @@ use rotor::units::{Damping, Inertia, Length, Mass, Rate, Speed, Stiffness, Time}
 
 const SCALE: f64 = 1e-6;
 
-/// The same rotor with every length times `SCALE`; moduli and densities stay, so times go with `SCALE`.
 fn small(case: &Case) -> LoadedCase {
+    scaled(case, SCALE)
+}
+
+/// The same rotor with every length times `scale`; moduli and densities stay, so times go with `scale`.
+pub fn scaled(case: &Case, scale: f64) -> LoadedCase {
     let mut case = case.clone();
-    let length = |l: &mut Length| l.0 *= SCALE;
-    let each = |l: &mut Option<Length>| l.iter_mut().for_each(|l| l.0 *= SCALE);
+    let length = |l: &mut Length| l.0 *= scale;
+    let each = |l: &mut Option<Length>| l.iter_mut().for_each(|l| l.0 *= scale);
     for m in case.materials.values_mut() {
-        m.damping.stiffness = Time(m.damping.stiffness.0 * SCALE);
-        m.damping.mass = Rate(m.damping.mass.0 / SCALE);
+        m.damping.stiffness = Time(m.damping.stiffness.0 * scale);
+        m.damping.mass = Rate(m.damping.mass.0 / scale);
     }
     for s in case.sections.values_mut() {
         for l in [
@@ -39,15 +43,15 @@ fn small(case: &Case) -> LoadedCase {
         each(&mut d.radius);
         each(&mut d.inner_radius);
         each(&mut d.thickness);
-        d.mass = d.mass.map(|m| Mass(m.0 * SCALE.powi(3)));
-        d.polar_inertia = d.polar_inertia.map(|i| Inertia(i.0 * SCALE.powi(5)));
-        d.diametral_inertia = d.diametral_inertia.map(|i| Inertia(i.0 * SCALE.powi(5)));
+        d.mass = d.mass.map(|m| Mass(m.0 * scale.powi(3)));
+        d.polar_inertia = d.polar_inertia.map(|i| Inertia(i.0 * scale.powi(5)));
+        d.diametral_inertia = d.diametral_inertia.map(|i| Inertia(i.0 * scale.powi(5)));
         d.offset.iter_mut().flatten().for_each(length);
     }
     for s in &mut case.supports {
         length(&mut s.at);
-        s.stiffness = s.stiffness.map(|k| k.map(|row| row.map(|k| Stiffness(k.0 * SCALE))));
-        s.damping = s.damping.map(|c| c.map(|row| row.map(|c| Damping(c.0 * SCALE * SCALE))));
+        s.stiffness = s.stiffness.map(|k| k.map(|row| row.map(|k| Stiffness(k.0 * scale))));
+        s.damping = s.damping.map(|c| c.map(|row| row.map(|c| Damping(c.0 * scale * scale))));
     }
     for p in &mut case.probes {
         length(&mut p.at);
@@ -56,22 +60,22 @@ fn small(case: &Case) -> LoadedCase {
     }
     for l in &mut case.loads {
         each(&mut l.at);
-        l.force.iter_mut().flatten().for_each(|f| f.0 *= SCALE.powi(2));
-        l.moment.iter_mut().flatten().for_each(|m| m.0 *= SCALE.powi(3));
+        l.force.iter_mut().flatten().for_each(|f| f.0 *= scale.powi(2));
+        l.moment.iter_mut().flatten().for_each(|m| m.0 *= scale.powi(3));
     }
-    case.gravity.iter_mut().flatten().for_each(|g| g.0 /= SCALE);
+    case.gravity.iter_mut().flatten().for_each(|g| g.0 /= scale);
     if let Some(s) = &mut case.spinup {
         for phase in &mut s.drive {
-            phase.until.0 *= SCALE;
-            phase.speed.0 /= SCALE;
+            phase.until.0 *= scale;
+            phase.speed.0 /= scale;
         }
         for t in [&mut s.until, &mut s.step] {
-            t.iter_mut().for_each(|t| t.0 *= SCALE);
+            t.iter_mut().for_each(|t| t.0 *= scale);
         }
     }
     if let Some(c) = &mut case.campbell {
-        c.speeds.from = Speed(c.speeds.from.0 / SCALE);
-        c.speeds.to = Speed(c.speeds.to.0 / SCALE);
+        c.speeds.from = Speed(c.speeds.from.0 / scale);
+        c.speeds.to = Speed(c.speeds.to.0 / scale);
     }
     LoadedCase::from_value("small.json", serde_json::to_value(&case).expect("JSON"))
         .unwrap_or_else(|e| panic!("{e}"))

@@ -1,0 +1,101 @@
+//! One row of the table of limits: a case, its error, what rounding left of it, and what the program said.
+
+use rotor::analysis::check::check;
+use rotor::case::LoadedCase;
+use rotor::error::Error;
+use rotor::model::Model;
+use rotor::results::{Diagnostic, Level};
+
+/// Factors on all lengths; what they change in a dimensionless result is rounding.
+const SCALES: [f64; 2] = [1.7, 0.37];
+
+/// A value with the remarks of its run.
+pub type Measured = Result<(f64, Vec<Diagnostic>), Error>;
+
+/// What became of a cell.
+#[derive(Debug, Clone)]
+pub struct Cell {
+    /// The extreme that is approached.
+    pub family: &'static str,
+    /// Which case.
+    pub name: String,
+    /// What was measured, against what.
+    pub quantity: &'static str,
+    /// Relative error; none when the program refused.
+    pub error: Option<f64>,
+    /// Bound on the error.
+    pub bound: f64,
+    /// Relative change of the result when all lengths are scaled: rounding.
+    pub noise: Option<f64>,
+    /// Codes of the warnings before (`check`) and of the run.
+    pub said: Vec<String>,
+    /// Exit code and first line of a refusal.
+    pub refused: Option<(u8, String)>,
+}
+
+impl Cell {
+    /// The verdict: "within", "warned", "refused" or "SILENT".
+    pub fn verdict(&self) -> &'static str {
+        match (&self.refused, self.error) {
+            (Some(_), _) => "refused",
+            (None, Some(error)) if error <= self.bound => "within",
+            (None, Some(error)) if error.is_finite() && !self.said.is_empty() => "warned",
+            _ => "SILENT",
+        }
+    }
+
+    /// Decimal digits that rounding took from a result.
+    pub fn digits_lost(&self) -> Option<f64> {
+        self.noise.map(|n| (n / f64::EPSILON).log10().max(0.0))
+    }
+}
+
+/// Warnings of a list, each code once.
+fn codes(list: &[Diagnostic]) -> Vec<String> {
+    let mut said: Vec<String> = Vec::new();
+    for d in list.iter().filter(|d| d.level != Level::Info) {
+        if !said.iter().any(|s| s == d.code) {
+            said.push(d.code.to_owned());
+        }
+    }
+    said
+}
+
+/// Measures a cell: the value of `case` against `exact`, and against copies of other size, whose values are those of
+/// the case times `scale^power`.
+pub fn cell(
+    family: &'static str,
+    name: impl Into<String>,
+    quantity: &'static str,
+    case: &LoadedCase,
+    measure: impl Fn(&LoadedCase) -> Measured,
+    power: i32,
+    (exact, bound): (f64, f64),
+) -> Cell {
+    let mut made = Cell {
+        family,
+        name: name.into(),
+        quantity,
+        error: None,
+        bound,
+        noise: None,
+        said: Vec::new(),
+        refused: None,
+    };
+    let refused =
+        |e: Error| Some((e.exit_code(), e.to_string().lines().next().unwrap_or_default().to_owned()));
+    let checked = Model::new(case).and_then(|model| check(&model));
+    match (checked, measure(case)) {
+        (Ok(checked), Ok((value, remarks))) => {
+            made.error = Some((value / exact - 1.0).abs());
+            made.said = codes(&[checked.diagnostics, remarks].concat());
+            let copy = |scale: f64| measure(&crate::scale::scaled(&case.case, scale)).map(|m| m.0);
+            let change = |scale: f64| {
+                copy(scale).map_or(f64::INFINITY, |v| (v / (value * scale.powi(power)) - 1.0).abs())
+            };
+            made.noise = (power != 0).then(|| SCALES.into_iter().map(change).fold(0.0, f64::max));
+        }
+        (Err(e), _) | (_, Err(e)) => made.refused = refused(e),
+    }
+    made
+}
