@@ -2,6 +2,7 @@
 //! Every number is finite, SI, and in its allowed range; every position is a node.
 
 mod build;
+mod choice;
 mod mesh;
 
 use crate::section::{Section, Surface};
@@ -462,6 +463,8 @@ pub struct Model {
     pub sections: Vec<Section>,
     /// Elements that the program chose itself (`"element": "auto"`), and why.
     pub choices: Vec<String>,
+    /// Largest estimate of the relative error that the section functions of these elements leave.
+    pub estimated_error: Option<f64>,
     /// Elements from left to right.
     pub elements: Vec<Element>,
     /// Nodes from left to right.

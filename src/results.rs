@@ -47,6 +47,9 @@ pub struct ModelSummary {
     pub modelled: Vec<String>,
     /// Effects that were left out, each with the reason.
     pub left_out: Vec<String>,
+    /// Estimate of the relative error that the section functions of automatically chosen elements leave.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub estimated_error: Option<f64>,
 }
 
 /// How much a diagnostic matters.

@@ -84,8 +84,10 @@ fn parse(text: &str, name: &str, units: Units) -> Result<f64, String> {
 fn within_range(value: f64) -> Result<f64, String> {
     if value == 0.0 || (SMALLEST..=LARGEST).contains(&value.abs()) {
         Ok(value)
+    } else if !value.is_finite() {
+        Err("is not a finite number".to_owned())
     } else {
-        Err(format!("is no size to calculate with: 0 or from {SMALLEST:e} to {LARGEST:e} in SI units"))
+        Err(format!("is an extreme size: 0 or from {SMALLEST:e} to {LARGEST:e} in SI units"))
     }
 }
 
@@ -185,8 +187,8 @@ mod tests {
             ("\"mm\"", "does not start with a number"),
             ("\"NaN mm\"", "does not start with a number"),
             ("\"inf m\"", "does not start with a number"),
-            ("\"-inf m\"", "no size to calculate with"),
-            ("\"1e999 m\"", "no size to calculate with"),
+            ("\"-inf m\"", "not a finite number"),
+            ("\"1e999 m\"", "not a finite number"),
             ("true", "a length"),
         ] {
             let message = length(json).unwrap_err();

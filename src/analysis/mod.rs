@@ -72,7 +72,14 @@ fn summary(model: &Model, degrees_of_freedom: usize, mass_kg: f64) -> ModelSumma
     if model.has_loads() {
         left_out.push("loads: a linear analysis about the undeformed state".to_owned());
     }
-    ModelSummary { degrees_of_freedom, elements: model.elements.len(), mass_kg, modelled, left_out }
+    ModelSummary {
+        degrees_of_freedom,
+        elements: model.elements.len(),
+        mass_kg,
+        modelled,
+        left_out,
+        estimated_error: model.estimated_error,
+    }
 }
 
 /// What every nonlinear analysis models and leaves out.

@@ -14,6 +14,9 @@ pub type Settings = Map<String, Value>;
 /// A finer point's error counts as larger from this factor on.
 const CLEARLY: f64 = 1.01;
 
+/// Error that an automatic choice aims at.
+const AUTOMATIC: f64 = 1e-3;
+
 /// What a run of a point gave.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
@@ -27,6 +30,8 @@ pub struct Measurement {
     pub degrees_of_freedom: u64,
     /// Steps of a transient.
     pub steps: Option<u64>,
+    /// Estimate of the error of automatically chosen section functions.
+    pub estimated_error: Option<f64>,
 }
 
 /// A point that was run: its measurement, or why there is none.
@@ -285,6 +290,7 @@ pub fn tradeoff(subject: &Subject, measured: &[Measured]) -> (Tradeoff, Vec<Diag
             peak_memory_mb: found.and_then(|f| f.peak_memory_mb),
             degrees_of_freedom: found.map(|f| f.degrees_of_freedom),
             steps: found.and_then(|f| f.steps),
+            estimated_error: found.and_then(|f| f.estimated_error),
             pareto: false,
             finer_is_worse: false,
             failed: point.outcome.as_ref().err().cloned(),
@@ -364,6 +370,19 @@ fn remarks(results: &Tradeoff) -> Vec<Diagnostic> {
         list.push(Diagnostic::warning(
             "error-by-luck",
             format!("a finer point has a larger error than these of the front: {}", lucky.join("; ")),
+        ));
+    }
+    // a coarse mesh adds an error of its own; the finest of the grid does not
+    let missed = (0..points.len()).filter(|&i| finer_points(points, i).is_empty()).filter_map(|i| {
+        let (error, estimate) = (points[i].error?, points[i].estimated_error?);
+        (error > estimate.max(AUTOMATIC))
+            .then(|| format!("{}: {error:.1e}, estimated {estimate:.0e}", points[i].name))
+    });
+    let missed: Vec<String> = missed.collect();
+    if !missed.is_empty() {
+        list.push(Diagnostic::warning(
+            "automatic-choice-missed",
+            format!("an automatic choice misses its estimate: {}", missed.join("; ")),
         ));
     }
     if results.points_at_a_time > 1 {

@@ -2,6 +2,7 @@
 
 mod loads;
 mod motion;
+use super::choice::{Choice, Demands, choose};
 use super::mesh::{Mesh, SHORTEST, SegmentPlan};
 use super::{
     ActsOn, Bearing, CampbellSettings, Disk, ElementKind, Form, Gyroscopic, Hub, Law, Material, Model,
@@ -50,7 +51,8 @@ impl Model {
             campbell: input.campbell(sections.iter().all(Section::is_axisymmetric))?,
             materials,
             sections,
-            choices,
+            estimated_error: choices.iter().map(|c| c.1).reduce(f64::max),
+            choices: choices.into_iter().map(|c| c.0).collect(),
             elements: mesh.elements,
             nodes: mesh.nodes,
             disks,
@@ -251,18 +253,31 @@ impl Input<'_> {
         }
     }
 
+    /// What bears upon automatic choices: half of the whirl branches is one direction's bending.
+    fn demands(&self) -> Demands {
+        /// Bending modes that count where no diagram is asked for.
+        const MODES: f64 = 3.0;
+        let case = self.case;
+        Demands {
+            length: case.shaft.segments.iter().map(|s| s.length.0).sum(),
+            half_waves: case.campbell.as_ref().map_or(MODES, |c| (f64::from(c.modes) / 2.0).max(1.0)),
+            spins_up: case.spinup.is_some(),
+        }
+    }
+
     fn segments(
         &self,
         sections: &[String],
         materials: &[String],
         shapes: &[Section],
-    ) -> Result<(Vec<SegmentPlan>, Vec<String>)> {
+    ) -> Result<(Vec<SegmentPlan>, Vec<(String, f64)>)> {
         let shaft = &self.case.shaft;
         let default = self.element("shaft.element", &shaft.element)?;
         if shaft.segments.is_empty() {
             return self.fault("shaft.segments", "the shaft has no segments", "at least one segment");
         }
-        let (mut plans, mut choices) = (Vec::new(), Vec::new());
+        let (mut plans, mut choices): (Vec<SegmentPlan>, Vec<(String, f64)>) = (Vec::new(), Vec::new());
+        let demands = self.demands();
         for (i, segment) in shaft.segments.iter().enumerate() {
             let at = |key: &str| format!("shaft.segments.{i}.{key}");
             let asked = match &segment.element {
@@ -275,9 +290,13 @@ impl Input<'_> {
             let section = self.named(&at("section"), "section", &segment.section, sections)?;
             let shape = &shapes[section];
             let kind = asked.unwrap_or_else(|| {
-                let (basis, why) = best_basis(shape);
+                let Choice { basis, reason, estimate } = choose(shape, demands);
                 let name = basis.member();
-                choices.push(format!("{name} for segment {i}, section \"{}\": {why}", segment.section));
+                let text = format!(
+                    "{name} for segment {i}, section \"{}\": {reason}; estimated error of its functions {estimate:.0e}",
+                    segment.section
+                );
+                choices.push((text, estimate));
                 ElementKind { axial_degree: 3, basis, law: Law::Continuum }
             });
             if kind.basis.is_ring() && !shape.is_ring() {
@@ -813,30 +832,6 @@ impl Input<'_> {
         }
         Ok(())
     }
-}
-
-/// Bore over rim up to which three radial degrees are needed.
-const THICK_WALL: f64 = 0.6;
-
-/// The functions that suit a section, and why.
-fn best_basis(section: &Section) -> (SectionBasis, &'static str) {
-    let ring = |degree| SectionBasis::Ring { degree, harmonics: 3 };
-    if section.is_ring() && section.inner[0] > THICK_WALL * section.outer[0] {
-        return (
-            ring(2),
-            "hollow; the ring family bends and ovalises a wall within about 1 % (34X3: 64 % off)",
-        );
-    }
-    if section.is_ring() {
-        return (
-            ring(3),
-            "hollow with a thick wall; the ring family with degree 3 meets its growth within about 3e-4 (34X3: 26 % off)",
-        );
-    }
-    if section.is_hollow() {
-        return (SectionBasis::Monomials(5), "hollow, but its bore is not similar to its outline: no ring");
-    }
-    (SectionBasis::Monomials(3), "solid")
 }
 
 /// Keeps what is referred to, in order of first use, and renumbers the references.

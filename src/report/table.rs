@@ -309,6 +309,9 @@ const STEPS: usize = 5;
 fn tradeoff_row(point: &TradeoffPoint, chosen: bool, reference: bool) -> Vec<String> {
     let number = |n: Option<u64>| n.map_or("-".to_owned(), |n| n.to_string());
     let mut name = point.name.clone();
+    if let Some(estimate) = point.estimated_error {
+        name += &format!(" (estimated {estimate:.0e})");
+    }
     if point.finer_is_worse {
         name += " (a finer point is worse)";
     }

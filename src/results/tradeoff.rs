@@ -78,6 +78,9 @@ pub struct TradeoffPoint {
     /// Steps of a transient.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steps: Option<u64>,
+    /// Estimate of the error that the section functions leave, where the program chose them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub estimated_error: Option<f64>,
     /// Whether it belongs to the front.
     pub pareto: bool,
     /// Whether a finer point has a clearly larger error, so that this one may be small by luck.

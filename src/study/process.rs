@@ -153,6 +153,7 @@ fn measurement(task: &Task<'_>, out: &Path) -> std::result::Result<Measurement, 
         peak_memory_mb: cost["peak_memory_mb"].as_f64(),
         degrees_of_freedom: unknowns.ok_or("its report has no number of unknowns")?,
         steps: report["results"]["integrator"]["steps"].as_u64(),
+        estimated_error: report["model"]["estimated_error"].as_f64(),
     })
 }
 

@@ -62,6 +62,7 @@ impl Store {
             peak_memory_mb: value["peak_memory_mb"].as_f64(),
             degrees_of_freedom: value["degrees_of_freedom"].as_u64()?,
             steps: value["steps"].as_u64(),
+            estimated_error: value["estimated_error"].as_f64(),
         }))
     }
 
@@ -78,6 +79,7 @@ impl Store {
                 value["peak_memory_mb"] = json!(found.peak_memory_mb);
                 value["degrees_of_freedom"] = json!(found.degrees_of_freedom);
                 value["steps"] = json!(found.steps);
+                value["estimated_error"] = json!(found.estimated_error);
             }
             Err(reason) => value["failed"] = json!(reason),
         }
@@ -99,6 +101,7 @@ mod tests {
             peak_memory_mb: Some(30.5),
             degrees_of_freedom: 700,
             steps: Some(16),
+            estimated_error: Some(1e-4),
         };
         for outcome in [Ok(found), Err("no convergence".to_owned())] {
             store.write("0123", &Settings::new(), &outcome).unwrap();

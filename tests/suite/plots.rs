@@ -305,6 +305,7 @@ fn study(members: usize, meshes: usize, crowded: bool, target: Option<f64>) -> R
                 peak_memory_mb: None,
                 degrees_of_freedom: 100 * mesh as u64,
                 steps: None,
+                estimated_error: None,
             };
             let settings = settings.as_object().expect("settings").clone();
             points.push(Measured { settings, outcome: Ok(measurement) });

@@ -1,6 +1,6 @@
 //! The ring family 34Rdh: frequencies, growth, joints and limits against closed forms and three-dimensional solids.
 
-use crate::common::{model, shaft};
+use crate::common::{model, of_kind, shaft};
 use faer::Mat;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use rotor::analysis::growth::{basis_error, closed_form};
@@ -660,14 +660,27 @@ fn uneven() -> Value {
 /// "auto" takes rings for walls and polynomials for solids, and says so.
 #[test]
 fn the_program_chooses_members_and_says_why() {
-    for (section, name) in [
-        (tube(0.2, 0.15), "34R23"),
-        (tube(0.2, 0.1), "34R33"),
-        (json!({ "shape": "circle", "radius": 0.1 }), "34X3"),
-        (uneven(), "34X5"),
+    let round = |radius: f64| json!({ "shape": "circle", "radius": radius });
+    let runs = json!({ "drive": [{ "until": 1, "speed": 10 }] });
+    for (section, spinup, name) in [
+        (tube(0.2, 0.15), &json!(null), "34R23"),
+        (tube(0.2, 0.1), &json!(null), "34R33"),
+        (tube(0.2, 0.05), &json!(null), "34R53"),
+        (round(0.03), &json!(null), "34X3"),
+        (round(0.01), &json!(null), "34X2"),
+        (round(0.01), &runs, "34X3"),
+        (round(0.1), &json!(null), "34X5"),
+        (json!({ "shape": "rectangle", "height": 0.1, "width": 0.1 }), &json!(null), "34X4"),
+        (uneven(), &json!(null), "34X5"),
     ] {
-        let model = model(&shaft(section, 1.0, 2, json!({ "shaft": { "element": "auto" } })));
+        let mut more = json!({ "shaft": { "element": "auto" } });
+        if spinup.is_object() {
+            more["spinup"] = spinup.clone();
+            more["supports"] = json!([{ "at": 0, "kind": "revolute" }]);
+        }
+        let model = model(&shaft(section, 1.0, 2, more));
         assert_eq!(model.elements[0].kind.name(), name);
+        assert!(model.estimated_error.is_some_and(|e| e > 0.0 && e < 0.2), "{name}");
         let check = rotor::analysis::check::check(&model).expect("check");
         let said = check.diagnostics.iter().find(|d| d.code == "element-choice").expect("a remark");
         assert!(said.message.contains(name), "{said:?}");
@@ -678,6 +691,30 @@ fn the_program_chooses_members_and_says_why() {
         let found = rotor::analysis::modes::modes(&model).expect("modes");
         let said = found.diagnostics.iter().find(|d| d.code == "hollow-section").expect("a warning");
         assert!(said.message.contains(percent), "{said:?}");
+    }
+}
+
+/// What the program estimates of its choice holds: first bending and growth against members that have more.
+#[test]
+fn estimates_of_automatic_choices_hold() {
+    let auto = |element: &str| json!({ "shaft": { "element": element }, "modes": { "count": 14 } });
+    for (radius, length) in [(0.01, 1.0), (0.1, 1.0), (0.1, 3.0), (0.3, 1.0)] {
+        let section = json!({ "shape": "circle", "radius": radius });
+        let first =
+            |element: &str| of_kind(&shaft(section.clone(), length, 12, auto(element)), ModeKind::Bending)[0];
+        let estimate =
+            model(&shaft(section.clone(), length, 12, auto("auto"))).estimated_error.expect("a choice");
+        let error = first("auto") / first("34X5") - 1.0;
+        // of three half waves; the first is bent less
+        assert!(error.abs() < estimate.max(2e-6), "{radius} {length}: {error} {estimate}");
+    }
+    for inner in [0.19, 0.15, 0.1, 0.06] {
+        let model = model(&shaft(tube(0.2, inner), 1.0, 2, auto("auto")));
+        let (section, material) = (&model.sections[0], &model.materials[0]);
+        let basis = model.elements[0].kind.basis;
+        let error = rotor::analysis::growth::basis_error(section, material, basis, 0.2).expect("a tube");
+        let estimate = model.estimated_error.expect("a choice");
+        assert!(error.abs() < estimate && estimate < 2e-3, "{inner}: {error} {estimate}");
     }
 }
 

@@ -29,6 +29,7 @@ fn point(element: &str, elements: u64, wall_s: f64, error: f64) -> Measured {
             peak_memory_mb: Some(10.0),
             degrees_of_freedom: 50 * elements,
             steps: None,
+            estimated_error: None,
         }),
     }
 }
@@ -55,6 +56,23 @@ fn codes(remarks: &[Diagnostic]) -> Vec<&str> {
 }
 
 const ONE: Reference = Reference::Number(1.0);
+
+/// The finest mesh of an automatic choice is held to its estimate; coarser ones have an error of their own.
+#[test]
+fn an_automatic_choice_that_misses_its_estimate_is_told() {
+    let estimated = |elements: u64, error: f64, estimate: f64| {
+        let mut point = point("auto", elements, 1.0, error);
+        if let Ok(found) = &mut point.outcome {
+            found.estimated_error = Some(estimate);
+        }
+        point
+    };
+    let missed =
+        |points: &[Measured]| codes(&judged(points, ONE, None).1).contains(&"automatic-choice-missed");
+    assert!(!missed(&[estimated(2, 1e-1, 1e-4), estimated(8, 5e-4, 1e-4)]));
+    assert!(missed(&[estimated(2, 1e-1, 1e-4), estimated(8, 5e-3, 1e-4)]));
+    assert!(!missed(&[estimated(8, 5e-3, 1e-2), point("34X1", 8, 1.0, 0.2)]));
+}
 
 #[test]
 fn the_front_has_what_nothing_beats() {

@@ -22,6 +22,7 @@ pub fn report<R>(title: &str, results: R) -> Report<R> {
             left_out: ["gravity: ignored by this analysis", "material damping: none given"]
                 .map(str::to_owned)
                 .to_vec(),
+            estimated_error: None,
         },
         results,
         diagnostics: Vec::new(),

@@ -1,0 +1,89 @@
+//! `"element": "auto"`: the member that suits a segment, with a cheap estimate of what its section functions miss.
+//!
+//! Slender solids that do not spin up take the order that bends and twists them, radial growth and thick shafts take a
+//! higher one, walls take rings. The estimates are fitted to errors of section and shaft that are measured elsewhere;
+//! a mesh that is too coarse adds its own. Source: docs/theory.md section 11.
+
+use crate::section::{Section, Shape};
+use crate::vectors::SectionBasis;
+
+/// Relative error that an automatic choice aims at.
+const AIM: f64 = 1e-3;
+/// A chosen member, why, and the estimate of its relative error.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Choice {
+    /// Functions over the section.
+    pub basis: SectionBasis,
+    /// Why.
+    pub reason: &'static str,
+    /// Relative error of bending, torsion and growth that the functions leave.
+    pub estimate: f64,
+}
+
+/// What of the case bears upon a choice.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Demands {
+    /// Length of the shaft, m.
+    pub length: f64,
+    /// Bending half waves along the shaft that count.
+    pub half_waves: f64,
+    /// Whether the shaft spins up, so that growth counts.
+    pub spins_up: bool,
+}
+
+/// Error of 34X2 and of 34X3 or 34X4 in bending with `n` half waves over a solid of radius r and length L, by
+/// `(n r / L)`: the warping by shear that quadratic, and by its own change that cubic functions lack.
+const BENDING: [(f64, i32); 2] = [(0.32, 2), (0.9, 4)];
+
+/// The member that suits a section.
+pub fn choose(section: &Section, demands: Demands) -> Choice {
+    if section.is_ring() {
+        return ring(section);
+    }
+    if section.is_hollow() {
+        return Choice {
+            basis: SectionBasis::Monomials(5),
+            reason: "hollow, but its bore is not similar to its outline: no ring",
+            estimate: 0.1,
+        };
+    }
+    let waves = demands.half_waves * section.outer_size() / demands.length;
+    let [quadratic, cubic] = BENDING.map(|(factor, power)| factor * waves.powi(power));
+    let solid = |order, reason, estimate: f64| Choice {
+        basis: SectionBasis::Monomials(order),
+        reason,
+        estimate: estimate.max(1e-6),
+    };
+    if section.shape == Shape::Rectangle {
+        // half of what the torsion constant is too high with quartic warping
+        let [a, b] = section.outer;
+        let flat = 1.0 - a.min(b) / a.max(b);
+        let torsion = 6e-4 + 0.017 * flat * flat;
+        return solid(4, "a rectangle, whose warping in torsion is quartic and more", cubic.max(torsion));
+    }
+    if cubic > AIM {
+        return solid(5, "solid and thick for the waves along it", cubic * waves * waves);
+    }
+    if demands.spins_up {
+        return solid(3, "solid; its radial growth is cubic", cubic);
+    }
+    if quadratic <= AIM {
+        return solid(2, "solid and slender", quadratic);
+    }
+    solid(3, "solid, with waves along it short enough for shear", cubic)
+}
+
+/// Rings by the growth `~ 1/r` that Legendre polynomials across the wall leave: `4 d q^-2d` with the sum q of the half
+/// axes of the largest ellipse about the wall that does not hold r = 0.
+fn ring(section: &Section) -> Choice {
+    let root = (section.inner[0] / section.outer[0]).sqrt();
+    let q = (1.0 + root) / (1.0 - root);
+    let missed = |degree: usize| 4.0 * degree as f64 * q.powi(-2 * degree as i32);
+    // degree 1 would not ovalise
+    let degree = (2..6).find(|d| missed(*d) <= AIM).unwrap_or(6);
+    let reason = match degree {
+        2 => "hollow; the ring family bends and ovalises a wall within about 1 % (34X3: 64 % off)",
+        _ => "hollow with a thick wall, whose growth needs a higher radial degree (34X3: 26 % off)",
+    };
+    Choice { basis: SectionBasis::Ring { degree, harmonics: 3 }, reason, estimate: missed(degree).max(1e-6) }
+}
