@@ -28,6 +28,8 @@ const ROUNDED: f64 = 2e-6;
 const DEPENDENT: [f64; 2] = [1e-14, 1e-12];
 /// Order of the polynomials that count as exact for the warping of a solid section.
 const FINE_WARPING: usize = 8;
+/// Unknowns up to which `check` factorises the stiffness: about a second.
+const MOST_UNKNOWNS: usize = 50_000;
 /// Element length over half height from which one or two elements are too few.
 const LONG: f64 = 4.0;
 /// Bore over rim below which the digits of ring forces are told, and the share that is lost at a ratio k: this / k^2.
@@ -276,7 +278,12 @@ pub fn estimates(model: &Model, assembly: &Assembly<'_>, diagnostics: &mut Vec<D
                 .to_owned(),
         );
     }
-    if let Some(share) = rounded_energy(assembly).filter(|s| *s > ROUNDED) {
+    if assembly.size() > MOST_UNKNOWNS {
+        diagnostics.push(Diagnostic::info(
+            "rounding-unknown",
+            format!("the share of rounding is estimated up to {MOST_UNKNOWNS} unknowns; so many elements lose digits"),
+        ));
+    } else if let Some(share) = rounded_energy(assembly).filter(|s| *s > ROUNDED) {
         warn(
             "rounding",
             format!(
