@@ -450,6 +450,15 @@ pub struct SpinupSettings {
     pub steady: bool,
 }
 
+/// An element that the program chose (`"element": "auto"`).
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElementChoice {
+    /// Member, segment, reason and estimate in words.
+    pub text: String,
+    /// Estimate of the relative error that its section functions leave.
+    pub estimated_error: f64,
+}
+
 /// A checked case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
@@ -462,9 +471,7 @@ pub struct Model {
     /// Sections in use.
     pub sections: Vec<Section>,
     /// Elements that the program chose itself (`"element": "auto"`), and why.
-    pub choices: Vec<String>,
-    /// Largest estimate of the relative error that the section functions of these elements leave.
-    pub estimated_error: Option<f64>,
+    pub choices: Vec<ElementChoice>,
     /// Elements from left to right.
     pub elements: Vec<Element>,
     /// Nodes from left to right.
@@ -496,6 +503,11 @@ pub struct Model {
 }
 
 impl Model {
+    /// Largest estimate of the relative error that the functions of automatically chosen elements leave.
+    pub fn estimated_error(&self) -> Option<f64> {
+        self.choices.iter().map(|choice| choice.estimated_error).reduce(f64::max)
+    }
+
     /// True when sections and disks look the same at every angle.
     pub fn is_axisymmetric(&self) -> bool {
         self.sections.iter().all(Section::is_axisymmetric)

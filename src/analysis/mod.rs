@@ -78,7 +78,7 @@ fn summary(model: &Model, degrees_of_freedom: usize, mass_kg: f64) -> ModelSumma
         mass_kg,
         modelled,
         left_out,
-        estimated_error: model.estimated_error,
+        estimated_error: model.estimated_error(),
     }
 }
 

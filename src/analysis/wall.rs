@@ -72,7 +72,8 @@ pub fn digits_left(section: &Section) -> f64 {
 
 /// Elements the program chose, polynomials on a wall, and walls so thin that they lose digits.
 pub fn wall_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
-    diagnostics.extend(model.choices.iter().map(|text| Diagnostic::info("element-choice", text.clone())));
+    diagnostics
+        .extend(model.choices.iter().map(|choice| Diagnostic::info("element-choice", choice.text.clone())));
     let mut seen: Vec<(usize, SectionBasis)> = Vec::new();
     for e in &model.elements {
         let (key, section) = ((e.section, e.kind.basis), &model.sections[e.section]);

@@ -2,6 +2,7 @@
 
 mod loads;
 mod motion;
+use super::ElementChoice;
 use super::choice::{Choice, Demands, choose};
 use super::mesh::{Mesh, SHORTEST, SegmentPlan};
 use super::{
@@ -51,8 +52,7 @@ impl Model {
             campbell: input.campbell(sections.iter().all(Section::is_axisymmetric))?,
             materials,
             sections,
-            estimated_error: choices.iter().map(|c| c.1).reduce(f64::max),
-            choices: choices.into_iter().map(|c| c.0).collect(),
+            choices,
             elements: mesh.elements,
             nodes: mesh.nodes,
             disks,
@@ -270,13 +270,13 @@ impl Input<'_> {
         sections: &[String],
         materials: &[String],
         shapes: &[Section],
-    ) -> Result<(Vec<SegmentPlan>, Vec<(String, f64)>)> {
+    ) -> Result<(Vec<SegmentPlan>, Vec<ElementChoice>)> {
         let shaft = &self.case.shaft;
         let default = self.element("shaft.element", &shaft.element)?;
         if shaft.segments.is_empty() {
             return self.fault("shaft.segments", "the shaft has no segments", "at least one segment");
         }
-        let (mut plans, mut choices): (Vec<SegmentPlan>, Vec<(String, f64)>) = (Vec::new(), Vec::new());
+        let (mut plans, mut choices) = (Vec::new(), Vec::new());
         let demands = self.demands();
         for (i, segment) in shaft.segments.iter().enumerate() {
             let at = |key: &str| format!("shaft.segments.{i}.{key}");
@@ -296,7 +296,7 @@ impl Input<'_> {
                     "{name} for segment {i}, section \"{}\": {reason}; estimated error of its functions {estimate:.0e}",
                     segment.section
                 );
-                choices.push((text, estimate));
+                choices.push(ElementChoice { text, estimated_error: estimate });
                 ElementKind { axial_degree: 3, basis, law: Law::Continuum }
             });
             if kind.basis.is_ring() && !shape.is_ring() {

@@ -103,3 +103,15 @@ pub fn keep(path: &str, text: &str) {
         assert_eq!(ours.matches('|').count(), kept.matches('|').count(), "{path}: {remake}");
     }
 }
+
+/// Writes a figure when documents are made; else it must be there.
+pub fn draw(path: &str, svg: &str) {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    if std::env::var_os("ROTOR_WRITE_DOCS").is_some() {
+        std::fs::write(&file, svg).expect("written");
+    }
+    let kept = std::fs::read_to_string(&file).unwrap_or_else(|e| panic!("{path}: {e}"));
+    // rounding moves points at the lower edge; the words are the same
+    let words = |svg: &str| svg.matches("<text").count();
+    assert_eq!(words(svg), words(&kept), "{path}: remake it with ROTOR_WRITE_DOCS=1");
+}

@@ -1,6 +1,7 @@
 //! Which members lock and where, and how fast meshes converge: docs/convergence.md.
 
-use crate::common::{keep, of_kind, shaft};
+use crate::common::{draw, keep, of_kind, shaft};
+use crate::convergence_figure::{Curve, Panel, svg};
 use rotor::analysis::estimates::bending_excess;
 use rotor::analysis::growth::basis_error;
 use rotor::analysis::wall::ovalling_error;
@@ -46,9 +47,12 @@ Made by `ROTOR_WRITE_DOCS=1 cargo test --release --test suite convergence::`, co
 **What locks.** 34X1 locks in bending wherever Poisson's ratio is not 0, on every mesh, as its section can't contract; it does not in torsion. No other
 member locks in bending of solids. Polynomials on thin walls: ovalling stays too high at every thinness for every order (no mesh helps);
 rings with degree 1 are 10 % too high, with degree 2 or more they do not lock. `check` warns of each.\n
+![Errors of bending and torsion over the number of elements](figures/convergence-mesh.svg)\n
+![Errors of growth and ovalling of walls](figures/convergence-walls.svg)\n
 ## Bending, slender round shaft on pins (L/r 100, nu .3), error by number of elements\n
 | member | 1 | 2 | 4 | 8 | 16 | 32 | steepest rate |\n|---|---|---|---|---|---|---|---|\n"
         .to_owned();
+    let [mut bending, mut torsion, mut growth, mut ovalling] = [const { Vec::<Curve>::new() }; 4];
     let ends = json!([{ "at": 0, "kind": "pinned" }, { "at": 1, "kind": "roller" }]);
     let (wave, r, ks) = (PI, 0.01_f64, 6.0 * 1.69 / (7.0 + 3.6 + 0.36));
     // Timoshenko's equation, lower root
@@ -59,6 +63,7 @@ rings with degree 1 are 10 % too high, with degree 2 or more they do not lock. `
         let more = json!({ "supports": ends, "modes": { "count": 8 } });
         let (list, rate) = errors(member, ModeKind::Bending, r, more, exact);
         text += &row(member, &list, format!("{rate:.1}"));
+        bending.push((member.to_owned(), list.clone()));
         if member == "34X1" {
             assert!(list.iter().all(|e| *e > 0.15), "{list:?}");
         } else {
@@ -71,6 +76,7 @@ rings with degree 1 are 10 % too high, with degree 2 or more they do not lock. `
         let exact = PI * (2.1e11 / 2.6 / 7800.0f64).sqrt();
         let (list, rate) = errors(member, ModeKind::Torsion, 0.1, json!({ "modes": { "count": 16 } }), exact);
         text += &row(member, &list, format!("{rate:.1}"));
+        torsion.push((member.to_owned(), list.clone()));
         assert!(list[3].abs() < 1e-7 && (5.5..6.8).contains(&rate), "{member}: {list:?} {rate}");
     }
     text += "\n## Radial growth at the rim of a long spinning body, error by bore / rim (section alone; no mesh changes it)\n
@@ -85,6 +91,7 @@ rings with degree 1 are 10 % too high, with degree 2 or more they do not lock. `
         };
         let list = [0.0, 0.25, 0.5, 0.75, 0.9, 0.99].map(share);
         text += &row(&basis.member(), &list, least(&list)).replace("NaN", "-");
+        growth.push((basis.member(), list[1..].to_vec()));
         if let SectionBasis::Ring { degree, .. } = basis {
             assert!(list[3].abs() < 0.2 * 0.06f64.powi(degree as i32), "{basis:?} {list:?}");
         } else if basis.count() >= 10 {
@@ -97,13 +104,34 @@ rings with degree 1 are 10 % too high, with degree 2 or more they do not lock. `
         let list = [0.5, 0.1, 0.05, 0.02, 0.01, 0.005]
             .map(|t| ovalling_error(&Section::tube(1.0, 1.0 - t), &STEEL, basis).expect("a tube"));
         text += &row(&basis.member(), &list, least(&list));
+        ovalling.push((basis.member(), list.to_vec()));
         match basis {
             SectionBasis::Ring { degree: 2.., .. } => assert!(list[4] < 2e-3, "{basis:?} {list:?}"),
             SectionBasis::Ring { .. } => assert!((0.05..0.15).contains(&list[4]), "{basis:?} {list:?}"),
             _ => assert!(list[4] > 0.2, "{basis:?} {list:?}"),
         }
-        let bending = bending_excess(&Section::tube(1.0, 0.9), &STEEL, basis).expect("a tube");
-        assert!(bending < 0.02, "{basis:?} {bending}");
+        let excess = bending_excess(&Section::tube(1.0, 0.9), &STEEL, basis).expect("a tube");
+        assert!(excess < 0.02, "{basis:?} {excess}");
     }
     keep("docs/convergence.md", &text);
+    let meshes = || MESHES.map(|n| n as f64).to_vec();
+    let panel = |title, across, places, curves, slope| Panel { title, across, places, curves, slope };
+    let figure = svg(
+        "Convergence with the mesh: orders 1 to 5",
+        &[
+            panel("bending, L/r 100", "elements", meshes(), bending, Some((4.0, "slope 4"))),
+            panel("torsion, L/r 10", "elements", meshes(), torsion, Some((6.0, "slope 6"))),
+        ],
+    );
+    draw("docs/figures/convergence-mesh.svg", &figure);
+    let walls = |list: [f64; 5]| list.to_vec();
+    let thin = ovalling.into_iter().map(|(name, list)| (name, list.into_iter().rev().collect())).collect();
+    let figure = svg(
+        "Walls: what the functions over a section miss, on any mesh",
+        &[
+            panel("growth of the rim", "bore / rim", walls([0.25, 0.5, 0.75, 0.9, 0.99]), growth, None),
+            panel("ovalling", "wall / rim", vec![0.005, 0.01, 0.02, 0.05, 0.1, 0.5], thin, None),
+        ],
+    );
+    draw("docs/figures/convergence-walls.svg", &figure);
 }

@@ -5,6 +5,7 @@ mod attachments;
 mod cli;
 mod common;
 mod convergence;
+mod convergence_figure;
 mod element;
 mod frames;
 mod golden;

@@ -680,7 +680,7 @@ fn the_program_chooses_members_and_says_why() {
         }
         let model = model(&shaft(section, 1.0, 2, more));
         assert_eq!(model.elements[0].kind.name(), name);
-        assert!(model.estimated_error.is_some_and(|e| e > 0.0 && e < 0.2), "{name}");
+        assert!(model.estimated_error().is_some_and(|e| e > 0.0 && e < 0.2), "{name}");
         let check = rotor::analysis::check::check(&model).expect("check");
         let said = check.diagnostics.iter().find(|d| d.code == "element-choice").expect("a remark");
         assert!(said.message.contains(name), "{said:?}");
@@ -703,7 +703,7 @@ fn estimates_of_automatic_choices_hold() {
         let first =
             |element: &str| of_kind(&shaft(section.clone(), length, 12, auto(element)), ModeKind::Bending)[0];
         let estimate =
-            model(&shaft(section.clone(), length, 12, auto("auto"))).estimated_error.expect("a choice");
+            model(&shaft(section.clone(), length, 12, auto("auto"))).estimated_error().expect("a choice");
         let error = first("auto") / first("34X5") - 1.0;
         // of three half waves; the first is bent less
         assert!(error.abs() < estimate.max(2e-6), "{radius} {length}: {error} {estimate}");
@@ -713,7 +713,7 @@ fn estimates_of_automatic_choices_hold() {
         let (section, material) = (&model.sections[0], &model.materials[0]);
         let basis = model.elements[0].kind.basis;
         let error = rotor::analysis::growth::basis_error(section, material, basis, 0.2).expect("a tube");
-        let estimate = model.estimated_error.expect("a choice");
+        let estimate = model.estimated_error().expect("a choice");
         assert!(error.abs() < estimate && estimate < 2e-3, "{inner}: {error} {estimate}");
     }
 }

@@ -1,0 +1,109 @@
+//! Errors of members as curves, both axes logarithmic: the figures of docs/convergence.md.
+
+use plotters::style::text_anchor::HPos;
+use rotor::plot::style::{self, Font, Marker, Point, Rect, Sample, Stroke, legend_entry};
+
+/// A member and its errors.
+pub type Curve = (String, Vec<f64>);
+
+/// One frame of a figure.
+pub struct Panel {
+    pub title: &'static str,
+    pub across: &'static str,
+    /// Places of the errors, and whether they are drawn by their logarithm.
+    pub places: Vec<f64>,
+    pub curves: Vec<Curve>,
+    /// A slope to compare with, and its name.
+    pub slope: Option<(f64, &'static str)>,
+}
+
+const MARKERS: [Marker; 9] = [
+    Marker::Disc,
+    Marker::Square,
+    Marker::Triangle,
+    Marker::Diamond,
+    Marker::Downward,
+    Marker::Cross,
+    Marker::Plus,
+    Marker::Ring,
+    Marker::Disc,
+];
+/// Logarithms of the least and the largest error that are drawn.
+const RANGE: [f64; 2] = [-12.0, 3.0];
+const FRAME: (f64, f64) = (430.0, 380.0);
+const LEFT: f64 = 84.0;
+
+/// Two panels side by side.
+pub fn svg(title: &str, panels: &[Panel]) -> String {
+    let width = panels.len() as f64 * (FRAME.0 + LEFT + 16.0) + 16.0;
+    let rows = panels.iter().map(|p| p.curves.len().div_ceil(4)).max().unwrap_or(0) as f64;
+    let top = style::below_title(width, title) + 34.0;
+    let height = top + FRAME.1 + 64.0 + rows * style::LEGEND_ROW + 12.0;
+    style::figure(width, height, |canvas| {
+        style::title(canvas, width, title);
+        for (i, panel) in panels.iter().enumerate() {
+            let left = 16.0 + LEFT + i as f64 * (FRAME.0 + LEFT + 16.0);
+            let frame = Rect::around((left + FRAME.0 / 2.0, top + FRAME.1 / 2.0), FRAME.0, FRAME.1);
+            draw(canvas, panel, frame);
+        }
+    })
+    .expect("a figure")
+}
+
+fn draw(canvas: &mut style::Canvas<'_>, panel: &Panel, frame: Rect) {
+    let (left, bottom) = (frame.center().0 - frame.width() / 2.0, frame.center().1 + frame.height() / 2.0);
+    let logs: Vec<f64> = panel.places.iter().map(|x| x.log10()).collect();
+    let (first, last) = (logs[0], logs[logs.len() - 1]);
+    let margin = 0.06 * frame.width();
+    let x = |log: f64| left + margin + (log - first) / (last - first) * (frame.width() - 2.0 * margin);
+    let y = |log: f64| bottom - (log - RANGE[0]) / (RANGE[1] - RANGE[0]) * frame.height();
+    let (font, grid) = (Font::new(12.0), Stroke::solid(style::GREY, 0.4));
+    for decade in (RANGE[0] as i32..=RANGE[1] as i32).step_by(2) {
+        let at = y(f64::from(decade));
+        canvas.path(&[(left, at), (left + frame.width(), at)], grid);
+        canvas.text((left - 8.0, at), &format!("1e{decade}"), font, HPos::Right);
+    }
+    for (place, log) in panel.places.iter().zip(&logs) {
+        canvas.path(&[(x(*log), bottom), (x(*log), bottom - 5.0)], Stroke::solid(style::BLACK, 1.0));
+        canvas.text((x(*log), bottom + 14.0), &format!("{place}"), font, HPos::Center);
+    }
+    canvas.frame(frame, Stroke::solid(style::BLACK, 1.0));
+    canvas.text((frame.center().0, bottom + 36.0), panel.across, Font::new(13.0), HPos::Center);
+    canvas.vertical_text((left - 60.0, frame.center().1), "relative error", Font::new(13.0));
+    canvas.text(
+        (frame.center().0, bottom - frame.height() - 14.0),
+        panel.title,
+        Font::new(14.0).bold(),
+        HPos::Center,
+    );
+    if let Some((slope, name)) = panel.slope {
+        let (a, b) = (logs[1], logs[3.min(logs.len() - 1)]);
+        let start = -1.2;
+        let line: [Point; 2] = [(x(a), y(start)), (x(b), y(start - slope * (b - a)))];
+        canvas.path(&line, Stroke::solid(style::GREY, 1.6));
+        canvas.text((line[1].0 + 8.0, line[1].1 - 8.0), name, font, HPos::Left);
+    }
+    for (k, (name, errors)) in panel.curves.iter().enumerate() {
+        let inside = |e: &f64| e.is_finite();
+        let points: Vec<Point> = logs
+            .iter()
+            .zip(errors)
+            .filter(|(_, e)| inside(e))
+            .map(|(log, e)| (x(*log), y(e.abs().max(1e-300).log10().clamp(RANGE[0], RANGE[1]))))
+            .collect();
+        let stroke = Stroke::solid(style::BLACK, if k == 8 { 2.2 } else { 1.0 });
+        canvas.path(&points, stroke);
+        for point in points {
+            canvas.marker(point, MARKERS[k % MARKERS.len()], if k == 8 { 7.0 } else { 4.5 }, style::BLUE);
+        }
+        let at =
+            (left + (k % 4) as f64 * frame.width() / 4.0, bottom + 62.0 + (k / 4) as f64 * style::LEGEND_ROW);
+        legend_entry(
+            canvas,
+            at,
+            frame.width() / 4.0,
+            Sample::Marker(MARKERS[k % MARKERS.len()], style::BLUE),
+            name,
+        );
+    }
+}
