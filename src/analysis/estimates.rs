@@ -34,7 +34,6 @@ const MOST_UNKNOWNS: usize = 50_000;
 const LONG: f64 = 4.0;
 /// Bore over rim below which the digits of ring forces are told, and the share that is lost at a ratio k: this / k^2.
 const SMALL_BORE: (f64, f64) = (1.5e-3, 2e-14);
-
 /// Share of rounding in those forces from which nothing nonlinear is computed.
 const TINY_BORE: f64 = 1e-5;
 /// Share of rounding in the growth of a slow shaft from which a warning is due.
@@ -58,15 +57,7 @@ pub fn bending_excess(section: &Section, material: &Material, basis: SectionBasi
     let (lambda, mu) = lame(material);
     let products = SectionProducts::new(basis, section, section.outer_size());
     let n = basis.count();
-    let mut k = DMatrix::from_fn(2 * n, 2 * n, |i, j| {
-        let g = |p: usize, q: usize| products.gradient(p, q)[(i / 2, j / 2)];
-        let (c, d) = (i % 2 + 1, j % 2 + 1);
-        if c == d {
-            (lambda + 2.0 * mu) * g(c, c) + mu * g(3 - c, 3 - c)
-        } else {
-            lambda * g(c, d) + mu * g(d, c)
-        }
-    });
+    let mut k = DMatrix::from_fn(2 * n, 2 * n, |i, j| products.plane_stiffness((lambda, mu), i, j));
     // translations and the rotation carry no load
     for at in [0, 1, 3] {
         k[(at, at)] += material.youngs_modulus;

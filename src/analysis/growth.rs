@@ -42,15 +42,12 @@ pub fn basis_error(section: &Section, material: &Material, basis: SectionBasis, 
     let size = 2 * n + 1;
     let mut k = DMatrix::zeros(size, size);
     let mut f = DVector::zeros(size);
-    for i in 0..n {
-        for j in 0..n {
-            let g = |p: usize, q: usize| products.gradient(p, q)[(i, j)];
-            for (c, other) in [(0, 1), (1, 0)] {
-                let (d, o) = (c + 1, other + 1);
-                k[(2 * i + c, 2 * j + c)] = (lambda + 2.0 * mu) * g(d, d) + mu * g(o, o);
-                k[(2 * i + c, 2 * j + other)] = lambda * g(d, o) + mu * g(o, d);
-            }
+    for i in 0..2 * n {
+        for j in 0..2 * n {
+            k[(i, j)] = products.plane_stiffness((lambda, mu), i, j);
         }
+    }
+    for i in 0..n {
         for c in 0..2 {
             f[2 * i + c] = material.density * pull[c][i];
             let coupling = lambda * products.gradient(0, c + 1)[(0, i)];

@@ -25,21 +25,12 @@ const FEW_DIGITS: f64 = 8.0;
 
 /// Lowest elastic frequency (rad/s) of a section in plane strain with the functions of a basis.
 pub fn section_frequency(section: &Section, material: &Material, basis: SectionBasis) -> Option<f64> {
-    let (lambda, mu) = lame(material);
     let products = SectionProducts::new(basis, section, section.outer_size());
     let n = basis.count();
     let mass = Mat::from_fn(2 * n, 2 * n, |i, j| {
         if i % 2 == j % 2 { material.density * products.plain()[(i / 2, j / 2)] } else { 0.0 }
     });
-    let stiffness = Mat::from_fn(2 * n, 2 * n, |i, j| {
-        let g = |p: usize, q: usize| products.gradient(p, q)[(i / 2, j / 2)];
-        let (c, d) = (i % 2 + 1, j % 2 + 1);
-        if c == d {
-            (lambda + 2.0 * mu) * g(c, c) + mu * g(3 - c, 3 - c)
-        } else {
-            lambda * g(c, d) + mu * g(d, c)
-        }
-    });
+    let stiffness = Mat::from_fn(2 * n, 2 * n, |i, j| products.plane_stiffness(lame(material), i, j));
     // largest values of K^-1 M past the three rigid motions, which a small mass term keeps away from zero
     let shift = 1e-9 * material.youngs_modulus / (material.density * section.outer_size().powi(2))
         * (1.0 - section.inner[0] / section.outer[0]).powi(2);

@@ -163,6 +163,18 @@ impl SectionProducts {
         &self.gradients[a][b]
     }
 
+    /// Entry `(2 k + c, 2 l + d)` of the stiffness in the plane of the section, `int (lambda div u div v + 2 mu e(u) : e(v)) dA`,
+    /// of displacements c, d (0 for y, 1 for z) of the functions k and l; Pa for Lame's constants in Pa.
+    pub fn plane_stiffness(&self, (lambda, mu): (f64, f64), i: usize, j: usize) -> f64 {
+        let g = |a: usize, b: usize| self.gradient(a, b)[(i / 2, j / 2)];
+        let (c, d) = (i % 2 + 1, j % 2 + 1);
+        if c == d {
+            (lambda + 2.0 * mu) * g(c, c) + mu * g(3 - c, 3 - c)
+        } else {
+            lambda * g(c, d) + mu * g(d, c)
+        }
+    }
+
     /// The same products with the integral replaced by area times the value on the axis.
     pub fn on_axis(&self, order: usize) -> Self {
         let r = self.reference_length;

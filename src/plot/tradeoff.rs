@@ -27,7 +27,8 @@ const BOLD_WIDER: f64 = 1.12;
 /// Errors below this are rounding.
 const LEAST_ERROR: f64 = 1e-15;
 
-const MARKERS: [Marker; 8] = [
+/// Symbols that tell curves or elements apart, also without colours.
+pub const MARKERS: [Marker; 8] = [
     Marker::Disc,
     Marker::Square,
     Marker::Triangle,

@@ -1,7 +1,8 @@
 //! Errors of members as curves, both axes logarithmic: the figures of docs/convergence.md.
 
 use plotters::style::text_anchor::HPos;
-use rotor::plot::style::{self, Font, Marker, Point, Rect, Sample, Stroke, legend_entry};
+use rotor::plot::style::{self, Font, Point, Rect, Sample, Stroke, legend_entry};
+use rotor::plot::tradeoff::MARKERS;
 
 /// A member and its errors.
 pub type Curve = (String, Vec<f64>);
@@ -17,17 +18,6 @@ pub struct Panel {
     pub slope: Option<(f64, &'static str)>,
 }
 
-const MARKERS: [Marker; 9] = [
-    Marker::Disc,
-    Marker::Square,
-    Marker::Triangle,
-    Marker::Diamond,
-    Marker::Downward,
-    Marker::Cross,
-    Marker::Plus,
-    Marker::Ring,
-    Marker::Disc,
-];
 /// Logarithms of the least and the largest error that are drawn.
 const RANGE: [f64; 2] = [-12.0, 3.0];
 const FRAME: (f64, f64) = (430.0, 380.0);
@@ -91,19 +81,16 @@ fn draw(canvas: &mut style::Canvas<'_>, panel: &Panel, frame: Rect) {
             .filter(|(_, e)| inside(e))
             .map(|(log, e)| (x(*log), y(e.abs().max(1e-300).log10().clamp(RANGE[0], RANGE[1]))))
             .collect();
-        let stroke = Stroke::solid(style::BLACK, if k == 8 { 2.2 } else { 1.0 });
+        // the symbols begin anew, in black
+        let color = if k < MARKERS.len() { style::BLUE } else { style::BLACK };
+        let marker = MARKERS[k % MARKERS.len()];
+        let stroke = Stroke::solid(style::BLACK, if k < MARKERS.len() { 1.0 } else { 2.2 });
         canvas.path(&points, stroke);
         for point in points {
-            canvas.marker(point, MARKERS[k % MARKERS.len()], if k == 8 { 7.0 } else { 4.5 }, style::BLUE);
+            canvas.marker(point, marker, 4.5, color);
         }
         let at =
             (left + (k % 4) as f64 * frame.width() / 4.0, bottom + 62.0 + (k / 4) as f64 * style::LEGEND_ROW);
-        legend_entry(
-            canvas,
-            at,
-            frame.width() / 4.0,
-            Sample::Marker(MARKERS[k % MARKERS.len()], style::BLUE),
-            name,
-        );
+        legend_entry(canvas, at, frame.width() / 4.0, Sample::Marker(marker, color), name);
     }
 }

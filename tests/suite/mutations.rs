@@ -53,6 +53,7 @@ fn feed(text: &str, all: bool) -> Option<LoadedCase> {
     let started = Instant::now();
     let loaded = Case::parse("mutated.json", text, &[]).and_then(|loaded| {
         let model = Model::new(&loaded)?;
+        assert!(model.length.is_finite() && model.reference_length > 0.0, "no size: {text}");
         let p = properties(&model);
         assert!(p.mass().is_finite() && p.diametral.iter().all(|i| i.is_finite()), "not a number: {text}");
         if all {
