@@ -86,6 +86,15 @@ impl Section {
         self.moment(0, 0)
     }
 
+    /// Timoshenko shear correction factor of a solid circle or rectangle (Cowper's formulas as the source uses them) for
+    /// Poisson's ratio nu.
+    pub fn shear_correction(&self, nu: f64) -> f64 {
+        match self.shape {
+            Shape::Rectangle => 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu),
+            Shape::Ellipse => 6.0 * (1.0 + nu).powi(2) / (7.0 + 12.0 * nu + 4.0 * nu * nu),
+        }
+    }
+
     /// True for circles and tubes: the mass and stiffness do not change when the section turns.
     pub fn is_axisymmetric(&self) -> bool {
         self.shape == Shape::Ellipse && self.outer[0] == self.outer[1] && self.inner[0] == self.inner[1]

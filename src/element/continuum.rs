@@ -12,7 +12,7 @@
 use super::basis::{AxialProducts, SectionProducts};
 use super::inertia::add_kronecker;
 use crate::model::Material;
-use crate::section::{Section, Shape};
+use crate::section::Section;
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix6};
 
@@ -59,7 +59,7 @@ pub fn split_stiffness(
 ) -> Mat<f64> {
     let (lambda, g) = lame(material);
     let (e, nu) = (material.youngs_modulus, material.poisson_ratio);
-    let ks = shear_correction(section, nu);
+    let ks = section.shear_correction(nu);
     let mut volume = Matrix6::zeros();
     for (i, modulus) in [e, e, e, g, ks * g, ks * g].into_iter().enumerate() {
         volume[(i, i)] = modulus;
@@ -71,13 +71,4 @@ pub fn split_stiffness(
         }
     }
     stiffness(&volume, axial, products) + stiffness(&on_axis, axial, &products.on_axis(1))
-}
-
-/// Timoshenko shear correction factor of a solid circle or rectangle (Cowper's formulas as the source
-/// uses them).
-pub fn shear_correction(section: &Section, nu: f64) -> f64 {
-    match section.shape {
-        Shape::Rectangle => 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu),
-        Shape::Ellipse => 6.0 * (1.0 + nu).powi(2) / (7.0 + 12.0 * nu + 4.0 * nu * nu),
-    }
 }

@@ -18,7 +18,7 @@
 //! The stiffness about that state is integrated exactly. Source: docs/theory.md section 4.
 
 use super::basis::{AxialProducts, derivative, evaluate, lagrange};
-use super::continuum::{lame, shear_correction};
+use super::continuum::lame;
 use super::quadrature::gauss;
 use crate::model::Material;
 use crate::section::Section;
@@ -45,7 +45,7 @@ fn moduli(section: &Section, material: &Material) -> [f64; 9] {
     let e = material.youngs_modulus;
     let (_, g) = lame(material);
     let (area, inertia) = (section.area(), section.moment(2, 0));
-    let shear = shear_correction(section, material.poisson_ratio) * g * area;
+    let shear = section.shear_correction(material.poisson_ratio) * g * area;
     let (axial, bending) = (e * area, e * inertia);
     [axial, shear, shear, g * 2.0 * inertia, bending, bending, axial, axial, 2.0 * g * area]
 }

@@ -15,7 +15,7 @@ mod force;
 mod polynomials;
 mod tangent;
 
-use crate::element::continuum::{lame, shear_correction};
+use crate::element::continuum::lame;
 use crate::element::expansion::place;
 use crate::element::lanes::Scratch;
 use crate::element::quadrature::section_rule;
@@ -52,7 +52,7 @@ impl StressLaw {
         if law == Law::Continuum {
             return Self { normal: normal(lambda + 2.0 * mu, lambda), shear: [mu; 3], on_axis: None };
         }
-        let ks = shear_correction(section, nu);
+        let ks = section.shear_correction(nu);
         Self {
             normal: normal(e, 0.0),
             shear: [ks * mu, ks * mu, mu],
