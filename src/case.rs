@@ -1,8 +1,10 @@
 //! The case file exactly as written: keys, defaults, units; no meaning yet (that is [`crate::model`]).
 //! Unknown keys are errors. The documentation of each key is also that of the JSON Schema.
 
+mod scene;
 mod tradeoff;
 
+pub use scene::*;
 pub use tradeoff::*;
 
 use crate::error::{Error, Result};
@@ -31,11 +33,18 @@ pub struct Case {
     #[serde(default)]
     pub source: String,
     /// Materials by name.
+    #[serde(default)]
     pub materials: BTreeMap<String, Material>,
     /// Cross-sections by name.
+    #[serde(default)]
     pub sections: BTreeMap<String, Section>,
-    /// The shaft, segment by segment from x = 0.
-    pub shaft: Shaft,
+    /// The shaft, segment by segment from x = 0; contact scenes have `bodies` instead.
+    pub shaft: Option<Shaft>,
+    /// Beams that may touch each other or themselves (rotor contact).
+    #[serde(default)]
+    pub bodies: Vec<Body>,
+    /// Contact between the bodies.
+    pub contact: Option<Contact>,
     /// Rigid disks.
     #[serde(default)]
     pub disks: Vec<Disk>,

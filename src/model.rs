@@ -4,6 +4,7 @@
 mod build;
 mod choice;
 mod mesh;
+pub mod scene;
 
 use crate::section::{Section, Surface};
 use crate::vectors::SectionBasis;

@@ -22,9 +22,14 @@ const MOMENT: Units = &[("N m", 1.0)];
 const ANGLE: Units = &[("rad", 1.0), ("deg", std::f64::consts::PI / 180.0)];
 const RATE: Units = &[("1/s", 1.0)];
 const ACCELERATION: Units = &[("m/s^2", 1.0)];
+const VELOCITY: Units = &[("m/s", 1.0), ("mm/s", 1e-3)];
+const RIGIDITY: Units = &[("N m^2", 1.0)];
+const LINEAR_DENSITY: Units = &[("kg/m", 1.0)];
+const MOMENT_OF_MASS: Units = &[("kg m", 1.0)];
+const PENALTY: Units = &[("N/m^3", 1.0), ("MPa/mm", 1e9)];
 
 /// Every dimension by name.
-const DIMENSIONS: [(&str, Units); 14] = [
+const DIMENSIONS: [(&str, Units); 19] = [
     ("length", LENGTH),
     ("stress", STRESS),
     ("mass", MASS),
@@ -39,6 +44,11 @@ const DIMENSIONS: [(&str, Units); 14] = [
     ("angle", ANGLE),
     ("rate", RATE),
     ("acceleration", ACCELERATION),
+    ("velocity", VELOCITY),
+    ("bending stiffness", RIGIDITY),
+    ("mass per length", LINEAR_DENSITY),
+    ("inertia per length", MOMENT_OF_MASS),
+    ("pressure per penetration", PENALTY),
 ];
 
 /// Smallest size of a quantity but zero, in SI.
@@ -156,6 +166,12 @@ quantities! {
     Moment "moment" MOMENT;
     Rate "rate" RATE;
     Acceleration "acceleration" ACCELERATION;
+    Angle "angle" ANGLE;
+    Velocity "velocity" VELOCITY;
+    Rigidity "bending stiffness" RIGIDITY;
+    LinearDensity "mass per length" LINEAR_DENSITY;
+    MomentOfMass "inertia per length" MOMENT_OF_MASS;
+    PenaltyModulus "pressure per penetration" PENALTY;
 }
 
 #[cfg(test)]

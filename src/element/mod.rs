@@ -13,6 +13,7 @@ pub mod inertia;
 pub mod lanes;
 pub mod nonlinear;
 pub mod outline;
+pub mod planar;
 pub mod quadrature;
 pub mod ring;
 pub mod ring_forces;

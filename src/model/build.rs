@@ -2,6 +2,7 @@
 
 mod loads;
 mod motion;
+mod scene;
 use super::ElementChoice;
 use super::choice::{Choice, Demands, choose};
 use super::mesh::{Mesh, SHORTEST, SegmentPlan};
@@ -259,7 +260,7 @@ impl Input<'_> {
         const MODES: f64 = 3.0;
         let case = self.case;
         Demands {
-            length: case.shaft.segments.iter().map(|s| s.length.0).sum(),
+            length: case.shaft.iter().flat_map(|s| &s.segments).map(|s| s.length.0).sum(),
             half_waves: case.campbell.as_ref().map_or(MODES, |c| (f64::from(c.modes) / 2.0).max(1.0)),
             spins_up: case.spinup.is_some(),
         }
@@ -271,7 +272,23 @@ impl Input<'_> {
         materials: &[String],
         shapes: &[Section],
     ) -> Result<(Vec<SegmentPlan>, Vec<ElementChoice>)> {
-        let shaft = &self.case.shaft;
+        let Some(shaft) = &self.case.shaft else {
+            return match self.case.bodies.is_empty() {
+                true => self.fault(
+                    "(top level)",
+                    "the key \"shaft\" is missing",
+                    "add \"shaft\" (see `rotor schema`)",
+                ),
+                false => self.fault(
+                    "bodies",
+                    "the case is a contact scene: it has no shaft",
+                    "rotor contact or check",
+                ),
+            };
+        };
+        if !self.case.bodies.is_empty() {
+            return self.fault("bodies", "a case has either a shaft or bodies", "one of them");
+        }
         let default = self.element("shaft.element", &shaft.element)?;
         if shaft.segments.is_empty() {
             return self.fault("shaft.segments", "the shaft has no segments", "at least one segment");

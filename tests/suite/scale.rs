@@ -37,7 +37,7 @@ pub fn scaled(case: &Case, scale: f64) -> LoadedCase {
             each(l);
         }
     }
-    case.shaft.segments.iter_mut().for_each(|s| length(&mut s.length));
+    case.shaft.iter_mut().flat_map(|s| &mut s.segments).for_each(|s| length(&mut s.length));
     for d in &mut case.disks {
         length(&mut d.at);
         each(&mut d.radius);

@@ -11,7 +11,8 @@ const LONGEST: f64 = 1e9;
 impl Input<'_> {
     pub(super) fn quadrature(&self) -> Result<Quadrature> {
         let path = "shaft.quadrature";
-        let rule = match &self.case.shaft.quadrature {
+        let written = self.case.shaft.as_ref().map_or_else(Default::default, |s| s.quadrature);
+        let rule = match written {
             case::Quadrature::Named(case::QuadratureName::Exact) => Quadrature::EXACT,
             case::Quadrature::Named(case::QuadratureName::Reduced) => {
                 Quadrature { axial: Some(5), section: None }

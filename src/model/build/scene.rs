@@ -1,0 +1,426 @@
+//! Contact scenes: bodies and the settings of their contact.
+
+use super::Input;
+use crate::case::{self, LoadedCase};
+use crate::error::Result;
+use crate::model::scene::{
+    Action, Beam, Body, BodyLoad, ContactSettings, Enforcement, Face, Hold, PlanarSection, Scene, Stepping,
+};
+use crate::model::{Material, Model};
+use crate::section::{Section, Shape};
+use crate::units::Length;
+use nalgebra::{Matrix3, Vector3};
+use serde_json::json;
+
+/// Share of its height that two self-contacting faces may penetrate, and of an element that a place may miss a node by.
+const SAME: f64 = 1e-6;
+/// Most elements of a scene.
+const ELEMENTS: usize = 20_000;
+/// Most steps of a motion.
+const STEPS: f64 = 1e8;
+
+impl Scene {
+    /// Checks the bodies of a case and their contact.
+    ///
+    /// # Errors
+    /// The first rule that the case breaks, with file, path, value and remedy.
+    pub fn new(loaded: &LoadedCase) -> Result<Self> {
+        let input = Input { loaded, case: &loaded.case };
+        input.scene()
+    }
+}
+
+/// What a planar body is made of, with its height, width and modulus.
+type Planar = (PlanarSection, [f64; 3]);
+
+impl Input<'_> {
+    fn scene(&self) -> Result<Scene> {
+        let case = self.case;
+        if case.shaft.is_some() {
+            return self.fault("bodies", "a case has either a shaft or bodies", "one of them");
+        }
+        if case.bodies.is_empty() {
+            return self.fault(
+                "bodies",
+                "a contact scene needs bodies",
+                r#"for example "bodies": [ { "name": "beam", "length": 1, "elements": 8, "section": "bar", "material": "steel", "start": [0, 0] } ]"#,
+            );
+        }
+        let (materials, material_names) = self.materials()?;
+        let (sections, section_names) = self.sections()?;
+        let mut bodies: Vec<Body> = Vec::with_capacity(case.bodies.len());
+        for (i, body) in case.bodies.iter().enumerate() {
+            let path = format!("bodies.{i}");
+            if bodies.iter().any(|b| b.name == body.name) {
+                return self.fault(&format!("{path}.name"), "two bodies have this name", "a name of its own");
+            }
+            let pair = match (&body.section, &body.material) {
+                (Some(section), Some(material)) => Some((
+                    self.named(&format!("{path}.section"), "section", section, &section_names)?,
+                    self.named(&format!("{path}.material"), "material", material, &material_names)?,
+                )),
+                _ => None,
+            };
+            let pair = pair.map(|(s, m)| (&sections[s], &materials[m]));
+            bodies.push(self.body(&path, body, pair)?);
+        }
+        let planar = bodies.iter().filter(|b| matches!(b.beam, Beam::Planar(_))).count();
+        if planar != 0 && planar != bodies.len() {
+            return self.fault(
+                "bodies",
+                "planar and spatial bodies don't meet in one scene",
+                "all 2322s, or all 3333s and 34X3",
+            );
+        }
+        let count: usize = bodies.iter().map(|b| b.elements).sum();
+        if count > ELEMENTS {
+            return self.fault("bodies", "the scene is too large", format!("at most {ELEMENTS} elements"));
+        }
+        let gravity = Vector3::from(self.gravity()?);
+        let contact = self.contact(&bodies, planar != 0)?;
+        self.expected()?;
+        Ok(Scene { bodies, gravity, contact })
+    }
+
+    /// Two numbers in the plane or three in space.
+    fn place(&self, path: &str, list: &[f64], planar: bool) -> Result<Vector3<f64>> {
+        let (allowed, fits) = if planar {
+            ("two numbers [x, y]", list.len() == 2)
+        } else {
+            ("three numbers [x, y, z]", list.len() == 3)
+        };
+        if !fits {
+            return self.fault(path, "a body needs as many components as its space has", allowed);
+        }
+        for (i, value) in list.iter().enumerate() {
+            self.within(&format!("{path}.{i}"), value.abs(), 0.0, 1e15)?;
+        }
+        Ok(Vector3::new(list[0], list[1], list.get(2).copied().unwrap_or(0.0)))
+    }
+
+    fn body(&self, path: &str, body: &case::Body, pair: Option<(&Section, &Material)>) -> Result<Body> {
+        let at = |key: &str| format!("{path}.{key}");
+        let length = self.length(&at("length"), body.length.0)?;
+        if body.elements == 0 || body.elements > ELEMENTS as u64 {
+            return self.fault(&at("elements"), "a body needs elements", format!("1 to {ELEMENTS}"));
+        }
+        let planar = match body.element.as_str() {
+            "2322s" => true,
+            "3333s" | "34X3" => false,
+            _ => return self.fault(&at("element"), "contact knows no such element", "2322s, 3333s or 34X3"),
+        };
+        let elements = body.elements as usize;
+        let (beam, [height, width, modulus]) = if planar {
+            let (section, sizes) = self.planar(path, body, pair)?;
+            (Beam::Planar(section), sizes)
+        } else {
+            self.spatial(path, body, pair)?
+        };
+        let list = |lengths: &[Length]| lengths.iter().map(|l| l.0).collect::<Vec<_>>();
+        let start = self.place(&at("start"), &list(&body.start), planar)?;
+        let velocity = match &body.velocity {
+            Some(v) => self.place(&at("velocity"), &v.iter().map(|v| v.0).collect::<Vec<_>>(), planar)?,
+            None => Vector3::zeros(),
+        };
+        let frame = match body.direction {
+            Some(_) if planar => {
+                return self.fault(&at("direction"), "a planar body has an angle", "angle");
+            }
+            Some(direction) => self.frame_along(&at("direction"), direction)?,
+            None => {
+                let (sin, cos) = body.angle.0.sin_cos();
+                Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
+            }
+        };
+        let degree = match &beam {
+            Beam::Planar(_) => 2,
+            Beam::Spatial(model) => model.elements.first().map_or(3, |e| e.kind.axial_degree),
+        };
+        let nodes = degree * elements;
+        let node = |key: String, x: f64| {
+            self.on_shaft(&key, x, length)?;
+            let share = x / length * nodes as f64;
+            if (share - share.round()).abs() > SAME * nodes as f64 {
+                let spacing = length / nodes as f64;
+                return self.fault(&key, "there is no node", format!("a multiple of {spacing} m"));
+            }
+            Ok(share.round() as usize)
+        };
+        let mut supports = Vec::new();
+        for (k, support) in body.supports.iter().enumerate() {
+            let hold = match support.kind {
+                case::BodySupportKind::Clamped => Hold::Clamped,
+                case::BodySupportKind::Pinned => Hold::Pinned,
+            };
+            supports.push((node(format!("{path}.supports.{k}.at"), support.at.0)?, hold));
+        }
+        let mut loads = Vec::new();
+        for (k, load) in body.loads.iter().enumerate() {
+            let path = format!("{path}.loads.{k}");
+            let given = [load.force.is_some(), load.moment.is_some(), load.pressure.is_some()];
+            let allowed = "at with force or moment; or face with pressure";
+            let single = given.iter().filter(|g| **g).count() == 1;
+            if !single || load.at.is_some() == load.pressure.is_some() || load.face.is_some() != given[2] {
+                return self.fault(&path, "the load is incomplete or mixed", allowed);
+            }
+            if !planar && load.force.is_none() {
+                return self.fault(&path, "spatial bodies take forces only", "force [x, y, z]");
+            }
+            let place = |x: Option<Length>| node(format!("{path}.at"), x.map_or(0.0, |x| x.0));
+            let action = if let Some(force) = &load.force {
+                let list: Vec<f64> = force.iter().map(|f| f.0).collect();
+                Action::Force(place(load.at)?, self.place(&format!("{path}.force"), &list, planar)?)
+            } else if let Some(moment) = load.moment {
+                self.within(&format!("{path}.moment"), moment.0.abs(), 0.0, 1e30)?;
+                Action::Moment(place(load.at)?, moment.0)
+            } else {
+                let face = match load.face {
+                    Some(case::Face::Bottom) => Face::Bottom,
+                    Some(case::Face::Start) => Face::Start,
+                    Some(case::Face::End) => Face::End,
+                    _ => Face::Top,
+                };
+                Action::Pressure(face, load.pressure.map_or(0.0, |p| p.0))
+            };
+            let until = match load.until {
+                Some(t) => self.positive(&format!("{path}.until"), t.0)?,
+                None => f64::INFINITY,
+            };
+            loads.push(BodyLoad { action, until });
+        }
+        Ok(Body {
+            name: body.name.clone(),
+            element: body.element.clone(),
+            beam,
+            length,
+            elements,
+            height,
+            width,
+            modulus,
+            start,
+            frame,
+            velocity,
+            gravity: body.gravity,
+            supports,
+            loads,
+        })
+    }
+
+    fn planar(&self, path: &str, body: &case::Body, pair: Option<(&Section, &Material)>) -> Result<Planar> {
+        let at = |key: &str| format!("{path}.{key}");
+        if let Some(s) = &body.structural {
+            if body.section.is_some() || body.material.is_some() {
+                return self.fault(&at("structural"), "section and material say the same", "one of both");
+            }
+            let positive = |key: &str, value: f64| self.positive(&format!("{path}.structural.{key}"), value);
+            let height = self.length(&at("structural.height"), s.height.0)?;
+            let width = match s.width {
+                Some(width) => self.length(&at("structural.width"), width.0)?,
+                None => 1.0,
+            };
+            let section = PlanarSection {
+                axial: positive("EA", s.axial.0)?,
+                shear: positive("GA", s.shear.0)?,
+                bending: positive("EI", s.bending.0)?,
+                thickness: positive("EA_t", s.thickness.0)?,
+                mass: positive("rho_A", s.mass.0)?,
+                inertia: positive("rho_I", s.inertia.0)?,
+            };
+            return Ok((section, [height, width, section.axial / (height * width)]));
+        }
+        let Some((section, material)) = pair else {
+            return self.fault(path, "the body has no stiffness", "section and material, or structural");
+        };
+        if section.shape != Shape::Rectangle || section.is_hollow() {
+            return self.fault(&at("section"), "2322s is a beam of rectangular section", "shape rectangle");
+        }
+        let (area, inertia) = (section.area(), section.moment(2, 0));
+        let e = material.youngs_modulus;
+        let shear = e / (2.0 * (1.0 + material.poisson_ratio));
+        let planar = PlanarSection {
+            axial: e * area,
+            shear: section.shear_correction(material.poisson_ratio) * shear * area,
+            bending: e * inertia,
+            thickness: e * area,
+            mass: material.density * area,
+            inertia: material.density * inertia,
+        };
+        Ok((planar, [2.0 * section.outer[0], 2.0 * section.outer[1], e]))
+    }
+
+    /// The body as a shaft of its own.
+    fn spatial(
+        &self,
+        path: &str,
+        body: &case::Body,
+        pair: Option<(&Section, &Material)>,
+    ) -> Result<(Beam, [f64; 3])> {
+        let at = |key: &str| format!("{path}.{key}");
+        if body.structural.is_some() {
+            return self.fault(&at("structural"), "only 2322s takes numbers of its own", "section, material");
+        }
+        let Some((section, material)) = pair else {
+            return self.fault(path, "the body has no stiffness", "section and material");
+        };
+        if !section.is_axisymmetric() || section.is_hollow() {
+            return self.fault(
+                &at("section"),
+                "the lateral surface of a spatial body is that of a solid circle",
+                "shape circle",
+            );
+        }
+        let held = |s: &case::BodySupport| json!({ "at": s.at, "kind": "clamped", "section": "rigid" });
+        if let Some(k) = body.supports.iter().position(|s| s.kind == case::BodySupportKind::Pinned) {
+            return self.fault(&at(&format!("supports.{k}.kind")), "spatial bodies are clamped", "clamped");
+        }
+        let value = json!({
+            "title": body.name,
+            "materials": self.case.materials,
+            "sections": self.case.sections,
+            "shaft": {
+                "element": body.element,
+                "segments": [{
+                    "length": body.length, "elements": body.elements, "section": body.section, "material": body.material,
+                }],
+            },
+            "supports": body.supports.iter().map(held).collect::<Vec<_>>(),
+        });
+        let model = Model::new(&LoadedCase::from_value(&self.loaded.file, value)?)?;
+        if model.elements.len() as u64 != body.elements {
+            return self.fault(&at("supports"), "a support stands within an element", "an element end");
+        }
+        let diameter = 2.0 * section.outer[0];
+        Ok((Beam::Spatial(Box::new(model)), [diameter, diameter, material.youngs_modulus]))
+    }
+
+    /// Axes of a body along a direction: y as upright as it can be.
+    fn frame_along(&self, path: &str, direction: [f64; 3]) -> Result<Matrix3<f64>> {
+        let x = Vector3::from(direction);
+        let length = x.norm();
+        if !(length > 0.0 && length.is_finite()) {
+            return self.fault(path, "no direction", "three numbers, not all zero");
+        }
+        let x = x / length;
+        let up = if x.y.abs() < 0.9 { Vector3::y() } else { -Vector3::x() };
+        let y = (up - x * x.dot(&up)).normalize();
+        Ok(Matrix3::from_columns(&[x, y, x.cross(&y)]))
+    }
+
+    fn contact(&self, bodies: &[Body], planar: bool) -> Result<ContactSettings> {
+        let Some(contact) = &self.case.contact else {
+            return self.fault(
+                "contact",
+                "the case has no `contact` block",
+                r#"for example "contact": { "method": "penalty", "until": 1.0, "step": 1e-3 }"#,
+            );
+        };
+        let method = match contact.method {
+            case::ContactMethod::Penalty => Enforcement::Penalty,
+            case::ContactMethod::Lcp => Enforcement::Lcp,
+            case::ContactMethod::LcpSingle => Enforcement::LcpSingle,
+            case::ContactMethod::ActiveSet => Enforcement::ActiveSet,
+            case::ContactMethod::None => Enforcement::None,
+        };
+        let until = match contact.until {
+            Some(t) => Some(self.positive("contact.until", t.0)?),
+            None => None,
+        };
+        let impulses = matches!(method, Enforcement::Lcp | Enforcement::LcpSingle);
+        match (method, until) {
+            (Enforcement::ActiveSet, Some(_)) => {
+                return self.fault(
+                    "contact.method",
+                    "the active set finds equilibria",
+                    "penalty or lcp for a motion; no contact.until for an equilibrium",
+                );
+            }
+            (Enforcement::Lcp | Enforcement::LcpSingle, None) => {
+                return self.fault(
+                    "contact.method",
+                    "impulses belong to a motion",
+                    "penalty or active-set for an equilibrium; contact.until for a motion",
+                );
+            }
+            (_, Some(_)) if !planar => {
+                return self.fault(
+                    "contact.until",
+                    "spatial bodies are brought into equilibrium only",
+                    "no contact.until; or bodies of 2322s",
+                );
+            }
+            (_, None) if !planar && method != Enforcement::Penalty => {
+                return self.fault("contact.method", "spatial bodies meet by penalty", "penalty");
+            }
+            _ => {}
+        }
+        let stepping = match contact.integrator {
+            Some(case::SceneIntegrator::EnergyConsistent) => Stepping::EnergyConsistent,
+            Some(case::SceneIntegrator::SemiImplicitEuler) => Stepping::SemiImplicit,
+            None if impulses => Stepping::SemiImplicit,
+            None => Stepping::EnergyConsistent,
+        };
+        if impulses && stepping == Stepping::EnergyConsistent {
+            return self.fault(
+                "contact.integrator",
+                "impulses go with the semi-implicit step",
+                "semi-implicit-euler; or the method penalty",
+            );
+        }
+        let smallest = bodies.iter().map(|b| b.height).fold(f64::INFINITY, f64::min);
+        let modulus = bodies.iter().map(|b| b.modulus).fold(0.0, f64::max);
+        let penalty = match contact.penalty {
+            Some(penalty) => self.positive("contact.penalty", penalty.0)?,
+            None => 10.0 * modulus / smallest,
+        };
+        let point_penalty = match contact.point_penalty {
+            Some(point) => vec![self.positive("contact.point_penalty", point.0)?; bodies.len()],
+            None => bodies.iter().map(|b| penalty * b.height * b.width).collect(),
+        };
+        let step = self.positive("contact.step", contact.step.map_or(1e-4, |s| s.0))?;
+        if let Some(until) = until.filter(|t| !(t / step <= STEPS && step <= *t)) {
+            return self.fault(
+                "contact.step",
+                "the step does not fit the motion",
+                format!("{:e} s to {until:e} s", until / STEPS),
+            );
+        }
+        let whole = |key: &str, value: u32, least: u32, most: u32| {
+            if (least..=most).contains(&value) {
+                return Ok(value as usize);
+            }
+            self.fault(&format!("contact.{key}"), "out of range", format!("{least} to {most}"))
+        };
+        if contact.with_itself {
+            // elements nearer along the body than it can bend are left out; less than that leaves nothing
+            if let Some(i) = bodies.iter().position(|b| b.elements < 4 || b.length < 6.0 * b.height) {
+                return self.fault(
+                    &format!("bodies.{i}.elements"),
+                    "a body can't touch itself with so few elements or so little length",
+                    format!(
+                        "4 elements and a length of {} m at least; or contact.self false",
+                        6.0 * bodies[i].height
+                    ),
+                );
+            }
+        }
+        let corner_angle = contact.corner_angle.map_or(10.0_f64.to_radians(), |a| a.0);
+        if !(0.0..=std::f64::consts::FRAC_PI_2).contains(&corner_angle) {
+            return self.fault("contact.corner_angle", "out of range", "0 to 90 deg");
+        }
+        Ok(ContactSettings {
+            method,
+            penalty,
+            point_penalty,
+            segments: whole("segments", contact.segments, 1, 1000)?,
+            cut: contact.cut,
+            until,
+            step,
+            stepping,
+            with_itself: contact.with_itself,
+            output: whole("output", contact.output, 2, 1_000_000)?,
+            snapshots: whole("snapshots", contact.snapshots, 1, 12)?,
+            load_steps: whole("load_steps", contact.load_steps, 1, 100_000)?,
+            corner_angle,
+        })
+    }
+}
