@@ -7,4 +7,5 @@ pub mod chain;
 pub mod dense;
 pub mod factor;
 pub mod lanczos;
+pub mod lcp;
 pub mod sparse;

@@ -13,6 +13,7 @@ mod identities;
 mod input;
 mod integrators;
 mod interrupted;
+mod lcp;
 mod limits;
 mod mutations;
 mod nonlinear;
