@@ -6,6 +6,7 @@ mod cli;
 mod common;
 mod convergence;
 mod convergence_figure;
+mod detect;
 mod element;
 mod frames;
 mod golden;
