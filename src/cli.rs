@@ -29,6 +29,7 @@ Examples:
   rotor modes cases/table3-tube.json --set modes.count=12
   rotor spinup cases/table8-spin-circle.json
   rotor static cases/table5-cantilever.json --set shaft.segments.0.elements=16
+  rotor contact cases/side-to-side.json
   rotor check cases/jeffcott.json
   rotor tradeoff studies/tradeoff/tradeoff-tube.json --error 1e-3
   rotor validate
@@ -55,6 +56,8 @@ enum Command {
     Static(RunArguments),
     /// Run up to speed: growth, stresses, orbit, torque and energies over time
     Spinup(RunArguments),
+    /// Equilibrium or motion of beams in contact: gaps, forces, energies, events
+    Contact(RunArguments),
     /// Cost and error over a grid of settings: Pareto front, and the cheapest setting for an error
     Tradeoff(tradeoff::TradeoffArguments),
     /// Write M, G, N and K0 as Matrix Market files, with the meaning of their rows
@@ -124,6 +127,7 @@ fn execute(command: &Command) -> Result<ExitCode> {
         Command::Campbell(arguments) => analyse(arguments, Analysis::Campbell),
         Command::Static(arguments) => analyse(arguments, Analysis::Static),
         Command::Spinup(arguments) => analyse(arguments, Analysis::Spinup),
+        Command::Contact(arguments) => analyse(arguments, Analysis::Contact),
         Command::Tradeoff(arguments) => tradeoff::tradeoff(arguments),
         Command::Matrices(arguments) => write_matrices(arguments),
         Command::Validate(arguments) => validate_cases(arguments),
@@ -162,7 +166,7 @@ fn analyse(arguments: &RunArguments, analysis: Analysis) -> Result<ExitCode> {
     let (loaded, folder) = load(arguments)?;
     let bar = progress_bar(analysis, run::steps(&loaded, analysis)?, arguments.quiet);
     let stop = Arc::new(AtomicBool::new(false));
-    if analysis == Analysis::Spinup {
+    if matches!(analysis, Analysis::Spinup | Analysis::Contact) {
         stop_on_interrupt(&stop)?;
     }
     let watch = |share: f64, line: &str| {
@@ -174,7 +178,7 @@ fn analyse(arguments: &RunArguments, analysis: Analysis) -> Result<ExitCode> {
     bar.finish_and_clear();
     let mut pending = vec![(format!("{}.json", analysis.name()), json::text(&finished.json))];
     pending.extend(finished.plots);
-    pending.push((format!("{}.cost.json", analysis.name()), cost(start)));
+    pending.push((format!("{}.cost.json", analysis.name()), cost(start, finished.cost)));
     let paths = files::write_all(&folder, &pending)?;
     Ok(conclude(&finished.table, &finished.diagnostics, &paths, arguments.quiet))
 }
@@ -213,6 +217,7 @@ fn progress_bar(analysis: Analysis, steps: usize, quiet: bool) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(steps as u64), ProgressDrawTarget::stderr());
     let template = match analysis {
         Analysis::Spinup => "spinup [{bar:30}] {percent} %, {msg}, {eta} left",
+        Analysis::Contact => "contact [{bar:30}] {percent} %, {msg}, {eta} left",
         _ => "campbell [{bar:40}] {pos}/{len} speeds, {eta} left",
     };
     if let Ok(style) = ProgressStyle::with_template(template) {
@@ -222,7 +227,7 @@ fn progress_bar(analysis: Analysis, steps: usize, quiet: bool) -> ProgressBar {
 }
 
 /// Wall time and peak memory of this run; kept beside the report, not in it, so that reports repeat.
-fn cost(start: Instant) -> String {
+fn cost(start: Instant, phases: Option<serde_json::Value>) -> String {
     let peak = std::fs::read_to_string("/proc/self/status").ok().and_then(|status| {
         let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;
         line.split_whitespace().nth(1)?.parse::<f64>().ok()
@@ -231,6 +236,7 @@ fn cost(start: Instant) -> String {
         "wall_s": start.elapsed().as_secs_f64(),
         "peak_memory_mb": peak.map(|kb| kb / 1024.0),
         "threads": rayon::current_num_threads(),
+        "phases": phases,
     }))
 }
 

@@ -23,6 +23,7 @@ pub mod analysis;
 pub mod assembly;
 pub mod case;
 pub mod cli;
+pub mod contact;
 pub mod drive;
 pub mod dynamics;
 pub mod element;

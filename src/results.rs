@@ -1,9 +1,11 @@
 //! What the analyses return: plain data, no maths, no drawing. Reports and plots see only this.
 //! Units are in the field names; `None` stands for "not defined here" (JSON null), never NaN.
 
+mod contact;
 mod motion;
 mod tradeoff;
 
+pub use contact::*;
 pub use motion::*;
 use serde::Serialize;
 pub use tradeoff::*;

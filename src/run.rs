@@ -5,6 +5,7 @@ use crate::analysis::{self, Outcome};
 use crate::case::LoadedCase;
 use crate::error::{Error, Result};
 use crate::model::Model;
+use crate::model::scene::Scene;
 use crate::plot;
 use crate::report::table;
 use crate::results::{CaseInfo, Diagnostic, Report};
@@ -28,11 +29,19 @@ pub enum Analysis {
     Static,
     /// Run up to speed.
     Spinup,
+    /// Beams in contact.
+    Contact,
 }
 
 /// All of them, by rising cost.
-const ANALYSES: [Analysis; 5] =
-    [Analysis::Check, Analysis::Modes, Analysis::Campbell, Analysis::Static, Analysis::Spinup];
+const ANALYSES: [Analysis; 6] = [
+    Analysis::Check,
+    Analysis::Modes,
+    Analysis::Campbell,
+    Analysis::Static,
+    Analysis::Spinup,
+    Analysis::Contact,
+];
 
 impl Analysis {
     /// Name on the command line and of the report.
@@ -43,6 +52,7 @@ impl Analysis {
             Analysis::Campbell => "campbell",
             Analysis::Static => "static",
             Analysis::Spinup => "spinup",
+            Analysis::Contact => "contact",
         }
     }
 
@@ -63,6 +73,8 @@ pub struct Finished {
     pub table: String,
     /// Remarks, also in the report.
     pub diagnostics: Vec<Diagnostic>,
+    /// Time by phase, where the analysis measures it; differs from run to run, so it stands beside the report.
+    pub cost: Option<Value>,
 }
 
 /// Runs an analysis. `progress` receives the number of speeds done, out of [`steps`]; `watch` the share of a
@@ -77,9 +89,12 @@ pub fn run(
     progress: analysis::campbell::Progress<'_>,
     watch: analysis::spinup::Watch<'_>,
 ) -> Result<Finished> {
+    if analysis == Analysis::Contact {
+        return contact(loaded, plots, watch);
+    }
     let model = Model::new(loaded)?;
     match analysis {
-        Analysis::Check => {
+        Analysis::Check | Analysis::Contact => {
             let mut outcome = analysis::check::check(&model)?;
             if let Some(block) = &loaded.case.tradeoff {
                 let points = analysis::tradeoff::count(&block.grid);
@@ -132,11 +147,33 @@ pub fn run(
     }
 }
 
+/// A scene of beams in contact.
+fn contact(loaded: &LoadedCase, plots: bool, watch: analysis::spinup::Watch<'_>) -> Result<Finished> {
+    let scene = Scene::new(loaded)?;
+    if let Some(overlap) = analysis::contact::overlap(&scene)? {
+        let (a, b) = overlap.bodies;
+        let names = [a, b].map(|i| &scene.bodies[i].name);
+        return Err(loaded.fault(
+            &format!("bodies.{b}.start"),
+            format!("`{}` and `{}` overlap by {:.6e} m at the start", names[0], names[1], overlap.depth),
+            "bodies apart or touching",
+        ));
+    }
+    let report = report(loaded, analysis::contact::contact(&scene, watch)?);
+    let svg = if plots { plot::contact::svg(&report)? } else { Vec::new() };
+    let mut finished = finish(&report, svg, table::contact(&report.results))?;
+    finished.cost = serde_json::to_value(report.results.cost).ok();
+    Ok(finished)
+}
+
 /// Steps of an analysis that reports progress.
 ///
 /// # Errors
 /// Bad input.
 pub fn steps(loaded: &LoadedCase, analysis: Analysis) -> Result<usize> {
+    if analysis == Analysis::Contact {
+        return Ok(TICKS);
+    }
     let model = Model::new(loaded)?;
     Ok(match analysis {
         Analysis::Campbell => model.campbell.as_ref().map_or(0, |c| c.speeds.len()),
@@ -198,5 +235,5 @@ pub(crate) fn finish<R: Serialize>(
         table::model(&report.model),
         table::diagnostics(&report.diagnostics)
     );
-    Ok(Finished { json, plots, table, diagnostics: report.diagnostics.clone() })
+    Ok(Finished { json, plots, table, diagnostics: report.diagnostics.clone(), cost: None })
 }

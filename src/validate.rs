@@ -83,13 +83,14 @@ pub fn validate(loaded: &LoadedCase) -> Result<Vec<Comparison>> {
 fn analysis_of(loaded: &LoadedCase, expected: &Expected, index: usize) -> Result<Analysis> {
     match &expected.analysis {
         None if loaded.case.campbell.is_some() => Ok(Analysis::Campbell),
+        None if loaded.case.contact.is_some() => Ok(Analysis::Contact),
         None => Ok(Analysis::Modes),
         Some(name) => Analysis::from_name(name).ok_or_else(|| Error::Input {
             file: loaded.file.clone(),
             path: format!("expected.{index}.analysis"),
             value: name.clone(),
             problem: "no such analysis".to_owned(),
-            allowed: "check, modes, campbell, static, spinup".to_owned(),
+            allowed: "check, modes, campbell, static, spinup, contact".to_owned(),
         }),
     }
 }

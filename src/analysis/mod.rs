@@ -4,6 +4,7 @@
 pub mod campbell;
 pub mod character;
 pub mod check;
+pub mod contact;
 pub mod critical;
 mod crossings;
 pub mod equilibrium;

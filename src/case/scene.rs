@@ -98,12 +98,16 @@ pub struct BodySupport {
 
 /// Kind of a body's support.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum BodySupportKind {
     /// All vectors of the section held.
     Clamped,
     /// The axis held, the section free to turn.
     Pinned,
+    /// The axis held in x, free in y and to turn.
+    PinnedX,
+    /// The axis held in y, free in x and to turn.
+    PinnedY,
 }
 
 /// A load on a body: force or moment at a place, or pressure on a surface.

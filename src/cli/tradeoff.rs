@@ -105,7 +105,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments) -> Result<ExitCode> {
         None if concluded.target.is_some() => remove(&folder.join(CHOSEN))?,
         None => {}
     }
-    pending.push(("tradeoff.cost.json".to_owned(), cost(start)));
+    pending.push(("tradeoff.cost.json".to_owned(), cost(start, None)));
     let paths = files::write_all(&folder, &pending)?;
     Ok(conclude(&finished.table, &finished.diagnostics, &paths, arguments.quiet))
 }

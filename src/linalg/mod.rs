@@ -8,4 +8,5 @@ pub mod dense;
 pub mod factor;
 pub mod lanczos;
 pub mod lcp;
+pub mod lu;
 pub mod sparse;

@@ -36,6 +36,10 @@ pub enum Hold {
     Clamped,
     /// The axis.
     Pinned,
+    /// The axis in x only.
+    PinnedX,
+    /// The axis in y only.
+    PinnedY,
 }
 
 /// A face of a planar body.

@@ -1,8 +1,8 @@
 //! Short tables for the terminal.
 
 use crate::results::{
-    Campbell, Check, Diagnostic, Level, ModelSummary, Modes, ProbeState, SpinState, Spinup, Static, Tradeoff,
-    TradeoffPoint, Trust,
+    Campbell, Check, Contact, Diagnostic, Level, ModelSummary, Modes, ProbeState, SpinState, Spinup, Static,
+    Tradeoff, TradeoffPoint, Trust,
 };
 use std::f64::consts::TAU;
 
@@ -331,4 +331,74 @@ fn tradeoff_row(point: &TradeoffPoint, chosen: bool, reference: bool) -> Vec<Str
         point.value.map_or("-".to_owned(), |v| format!("{v:.9e}")),
         name,
     ]
+}
+
+/// Beams in contact.
+pub fn contact(results: &Contact) -> String {
+    let ends: Vec<Vec<String>> = results
+        .bodies
+        .iter()
+        .map(|b| {
+            let place = |p: &[f64; 3]| format!("{:.6}, {:.6}, {:.6}", p[0], p[1], p[2]);
+            vec![
+                b.name.clone(),
+                format!("{} {}", b.elements, b.element),
+                place(&b.end_m),
+                place(&b.end_displacement_m),
+            ]
+        })
+        .collect();
+    let mut text = columns(&["body", "elements", "end (m)", "displacement of its end (m)"], &ends);
+    let pairs: Vec<Vec<String>> = results
+        .pairs
+        .iter()
+        .map(|p| {
+            vec![
+                p.bodies.join(" - "),
+                p.gap_m.map_or("-".to_owned(), |g| format!("{g:.6e}")),
+                format!("{:.3e}", p.penetration_m),
+                format!("{:.4e}", p.force_n.iter().map(|f| f * f).sum::<f64>().sqrt()),
+                p.kind.to_owned(),
+            ]
+        })
+        .collect();
+    if !pairs.is_empty() {
+        text += "\n";
+        text += &columns(&["pair", "gap (m)", "penetration (m)", "force (N)", "contact"], &pairs);
+    }
+    if !results.events.is_empty() {
+        const SHOWN: usize = 20;
+        let rows: Vec<Vec<String>> = results
+            .events
+            .iter()
+            .take(SHOWN)
+            .map(|e| {
+                vec![
+                    e.bodies.join(" - "),
+                    format!("{:.6}", e.from_s),
+                    e.until_s.map_or("-".to_owned(), |t| format!("{t:.6}")),
+                    format!("{:.3e}", e.penetration_m),
+                    format!("{:.4e}", e.force_n),
+                    e.kind.to_owned(),
+                ]
+            })
+            .collect();
+        text += "\n";
+        text +=
+            &columns(&["contact of", "from (s)", "until (s)", "penetration (m)", "force (N)", "kind"], &rows);
+        if results.events.len() > SHOWN {
+            text += &format!("  and {} more in the report\n", results.events.len() - SHOWN);
+        }
+    }
+    if let (Some(error), Some(last)) = (results.energy_error, results.energy_change) {
+        text += &format!(
+            "\n  energy: largest change {error:.2e}, at the end {last:+.2e} of the largest kinetic energy\n"
+        );
+    }
+    let solver = &results.solver;
+    text += &format!(
+        "  {} steps, {} cut, {} Newton iterations, {} complementarity problems, {} searches\n",
+        solver.steps, solver.cut, solver.iterations, solver.complementarity_problems, solver.searches
+    );
+    text
 }

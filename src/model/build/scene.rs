@@ -151,6 +151,8 @@ impl Input<'_> {
             let hold = match support.kind {
                 case::BodySupportKind::Clamped => Hold::Clamped,
                 case::BodySupportKind::Pinned => Hold::Pinned,
+                case::BodySupportKind::PinnedX => Hold::PinnedX,
+                case::BodySupportKind::PinnedY => Hold::PinnedY,
             };
             supports.push((node(format!("{path}.supports.{k}.at"), support.at.0)?, hold));
         }
@@ -270,7 +272,7 @@ impl Input<'_> {
             );
         }
         let held = |s: &case::BodySupport| json!({ "at": s.at, "kind": "clamped", "section": "rigid" });
-        if let Some(k) = body.supports.iter().position(|s| s.kind == case::BodySupportKind::Pinned) {
+        if let Some(k) = body.supports.iter().position(|s| s.kind != case::BodySupportKind::Clamped) {
             return self.fault(&at(&format!("supports.{k}.kind")), "spatial bodies are clamped", "clamped");
         }
         let value = json!({

@@ -1,0 +1,261 @@
+//! Equilibrium of a scene under its loads, with penalty springs or exact constraints.
+
+use super::Detector;
+use crate::contact::bodies::Bodies;
+use crate::contact::gap::product;
+use crate::contact::penalty::{self, Spring};
+use crate::error::Result;
+use crate::linalg::lu::{Entries, Solver};
+use crate::model::scene::Enforcement;
+use crate::results::{ContactCost, ContactSolver};
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// Newton iterations of a load step.
+const ITERATIONS: usize = 60;
+/// Correction of a converged state, over the height.
+const CONVERGED: f64 = 1e-11;
+/// Times that a load step is halved.
+const HALVINGS: i32 = 10;
+/// Largest correction of an iteration, over the height, while something is near.
+const STRIDE: f64 = 0.5;
+/// Gap over the height up to which a spring has its stiffness although it is not compressed.
+const TOUCHING: f64 = 1e-12;
+/// Compliance that keeps coincident constraints apart, over that of the penalty of a point; it is iterated away.
+const COMPLIANCE: f64 = 1e-3;
+
+/// An equilibrium.
+pub struct State {
+    /// Coordinates.
+    pub q: Vec<f64>,
+    /// Share of the loads.
+    pub factor: f64,
+    /// Contacts that act; for constraints the force is in `forces`.
+    pub springs: Vec<Spring>,
+    /// Force of each, N, pushing apart.
+    pub forces: Vec<f64>,
+    /// How it went.
+    pub stats: ContactSolver,
+    /// Where the time went.
+    pub cost: ContactCost,
+    /// What stopped it, if the whole load was not reached.
+    pub stopped: Option<String>,
+}
+
+/// Finds the equilibrium step by step.
+pub struct Equilibrium<'a> {
+    bodies: &'a Bodies<'a>,
+    detector: Detector,
+    solver: Solver,
+    stats: ContactSolver,
+    cost: ContactCost,
+    height: f64,
+    /// Multipliers of the active probes, N.
+    multipliers: BTreeMap<usize, f64>,
+}
+
+impl<'a> Equilibrium<'a> {
+    /// Of these bodies.
+    pub fn new(bodies: &'a Bodies<'a>, detector: Detector) -> Self {
+        let height = bodies.scene.bodies.iter().map(|b| b.height).fold(f64::INFINITY, f64::min);
+        Self {
+            bodies,
+            detector,
+            solver: Solver::default(),
+            stats: ContactSolver::default(),
+            cost: ContactCost::default(),
+            height,
+            multipliers: BTreeMap::new(),
+        }
+    }
+
+    /// Loads in steps, each cut in halves where Newton's method does not converge. `watch` sees the share of the loads and stops
+    /// by false.
+    pub fn solve(mut self, watch: super::Watch<'_>) -> (State, Detector) {
+        let mut q = self.bodies.reference().to_vec();
+        let step = 1.0 / self.bodies.scene.contact.load_steps as f64;
+        let (mut factor, mut size) = (0.0, step);
+        let mut stopped = None;
+        while factor < 1.0 {
+            let next = if factor + size > 1.0 - 1e-9 { 1.0 } else { factor + size };
+            if !watch(factor, &format!("{:.3} of the load", factor)) {
+                stopped = Some("stopped".to_owned());
+                break;
+            }
+            let multipliers = self.multipliers.clone();
+            match self.step(&q, next) {
+                Ok(found) => {
+                    self.stats.steps += 1;
+                    (q, factor) = (found, next);
+                    size = (size * 2.0).min(step);
+                }
+                Err(why) => {
+                    self.multipliers = multipliers;
+                    self.stats.cut += 1;
+                    size /= 2.0;
+                    if size < step * 2.0_f64.powi(-HALVINGS) {
+                        stopped = Some(why);
+                        break;
+                    }
+                }
+            }
+        }
+        let limit = TOUCHING * self.height;
+        let (springs, forces) = match self.bodies.scene.contact.method {
+            Enforcement::ActiveSet => {
+                let all = self.detector.springs(self.bodies, &q, f64::INFINITY);
+                let acting = all.into_iter().filter(|(k, _)| self.multiplier(*k) > 0.0);
+                acting.map(|(k, spring)| (spring, self.multiplier(k))).unzip()
+            }
+            _ => {
+                let list = self.detector.springs(self.bodies, &q, limit);
+                list.into_iter().map(|(_, s)| (s.weight * s.penetration(), s)).map(|(f, s)| (s, f)).unzip()
+            }
+        };
+        self.stats.searches = self.detector.counts().searches;
+        self.cost.search_s = self.detector.counts().seconds;
+        let state = State { q, factor, springs, forces, stats: self.stats, cost: self.cost, stopped };
+        (state, self.detector)
+    }
+
+    fn multiplier(&self, probe: usize) -> f64 {
+        self.multipliers.get(&probe).copied().unwrap_or(0.0)
+    }
+
+    fn step(&mut self, start: &[f64], factor: f64) -> std::result::Result<Vec<f64>, String> {
+        let exact = self.bodies.scene.contact.method == Enforcement::ActiveSet;
+        let mut q = start.to_vec();
+        let mut last = f64::INFINITY;
+        for iteration in 1..=ITERATIONS {
+            self.stats.iterations += 1;
+            self.stats.most_iterations = self.stats.most_iterations.max(iteration);
+            let begin = Instant::now();
+            self.detector.update(self.bodies, &q);
+            self.cost.search_s += begin.elapsed().as_secs_f64();
+            let (size, settled) =
+                if exact { self.constrained(&mut q, factor) } else { self.sprung(&mut q, factor) }
+                    .map_err(|e| e.to_string())?;
+            if !size.is_finite() {
+                return Err("a correction is not finite".to_owned());
+            }
+            // a correction at the rounding error of the system is the end as well
+            let stalled = iteration > 10 && size < 1e-8 * self.height && size >= last / 2.0;
+            if settled && (size <= CONVERGED * self.height || stalled) {
+                return Ok(q);
+            }
+            last = size;
+        }
+        Err(format!("{ITERATIONS} Newton iterations, last correction {last:.1e} m"))
+    }
+
+    /// Internal forces less loads, and their tangent.
+    fn balance(&mut self, q: &[f64], factor: f64, entries: &mut Entries) -> Vec<f64> {
+        let start = Instant::now();
+        let n = self.bodies.len();
+        let (mut force, mut load) = (vec![0.0; n], vec![0.0; n]);
+        self.bodies.internal_force(q, &mut force);
+        self.bodies.add_tangent(q, entries);
+        self.bodies.loads(q, 0.0, factor, &mut load, Some((entries, 1.0)));
+        force.iter_mut().zip(&load).for_each(|(f, l)| *f -= l);
+        self.cost.elements_s += start.elapsed().as_secs_f64();
+        force
+    }
+
+    fn solve_system(&mut self, n: usize, entries: &Entries, x: &mut [f64]) -> Result<()> {
+        let start = Instant::now();
+        let solved = self.solver.solve(n, entries, x);
+        self.cost.solve_s += start.elapsed().as_secs_f64();
+        solved
+    }
+
+    /// Moves the state by a correction, shortened while something is near; returns its size, m.
+    fn correct(&self, q: &mut [f64], delta: &[f64]) -> f64 {
+        let size = delta.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
+        let limit = STRIDE * self.height;
+        let share = if self.detector.any() && size > limit { limit / size } else { 1.0 };
+        self.bodies.free().iter().zip(delta).for_each(|(&k, d)| q[k] += share * d);
+        size
+    }
+
+    fn sprung(&mut self, q: &mut [f64], factor: f64) -> Result<(f64, bool)> {
+        let mut entries = Entries::default();
+        let mut force = self.balance(q, factor, &mut entries);
+        let start = Instant::now();
+        let recut = self.detector.cut(self.bodies, q);
+        let springs = self.detector.springs(self.bodies, q, TOUCHING * self.height);
+        self.stats.gaps += springs.len();
+        let springs: Vec<Spring> = springs.into_iter().map(|(_, s)| s).collect();
+        penalty::add(
+            &springs,
+            q,
+            self.bodies.components(),
+            self.bodies.unknown(),
+            &mut force,
+            Some(&mut entries),
+        );
+        self.cost.gaps_s += start.elapsed().as_secs_f64();
+        let mut delta: Vec<f64> = self.bodies.free().iter().map(|&k| -force[k]).collect();
+        self.solve_system(delta.len(), &entries, &mut delta)?;
+        Ok((self.correct(q, &delta), recut <= CONVERGED.sqrt()))
+    }
+
+    /// A step of the primal-dual active set: probes with `multiplier - penalty g > 0` are held at g = 0.
+    fn constrained(&mut self, q: &mut [f64], factor: f64) -> Result<(f64, bool)> {
+        let mut entries = Entries::default();
+        let force = self.balance(q, factor, &mut entries);
+        let start = Instant::now();
+        let list = self.detector.springs(self.bodies, q, f64::INFINITY);
+        self.stats.gaps += list.len();
+        self.cost.gaps_s += start.elapsed().as_secs_f64();
+        let components = self.bodies.components();
+        let unknown = self.bodies.unknown();
+        let scale = self.bodies.scene.contact.point_penalty.iter().copied().fold(0.0, f64::max);
+        let active: Vec<&(usize, Spring)> = list
+            .iter()
+            .filter(|(k, s)| self.multiplier(*k) - scale * s.gap.value > -scale * TOUCHING * self.height)
+            .collect();
+        let n = self.bodies.free().len();
+        let mut rhs = vec![0.0; n + active.len()];
+        self.bodies.free().iter().enumerate().for_each(|(u, &k)| rhs[u] = -force[k]);
+        for (a, (k, spring)) in active.iter().enumerate() {
+            let gradient = spring.gap.gradient(components);
+            let row = n + a;
+            for (coordinate, value) in &gradient {
+                if let Some(u) = unknown[*coordinate] {
+                    entries.add(u, row, -value);
+                    entries.add(row, u, -value);
+                }
+            }
+            let old = self.multiplier(*k);
+            let compliance = COMPLIANCE / scale;
+            entries.add(row, row, -compliance);
+            rhs[row] = spring.gap.value - compliance * old;
+            let block = spring.gap.curvature(q, components);
+            for (i, &r) in block.coordinates.iter().enumerate() {
+                for (j, &c) in block.coordinates.iter().enumerate() {
+                    if let (Some(r), Some(c)) = (unknown[r], unknown[c]) {
+                        entries.add(r, c, -old * block.matrix[(i, j)]);
+                    }
+                }
+            }
+        }
+        self.solve_system(rhs.len(), &entries, &mut rhs)?;
+        let size = self.correct(q, &rhs[..n]);
+        self.multipliers.clear();
+        let mut settled = true;
+        let mut moved = vec![0.0; self.bodies.len()];
+        self.bodies.free().iter().zip(&rhs[..n]).for_each(|(&k, d)| moved[k] = *d);
+        for (a, (k, spring)) in active.iter().enumerate() {
+            let value = rhs[n + a];
+            self.multipliers.insert(*k, value.max(0.0));
+            // held without pressure, or pressed without being closed: not the last set
+            let closed = spring.gap.value + product(&spring.gap.gradient(components), &moved);
+            settled &= value >= -1e-9 * scale * self.height && closed.abs() <= 1e-9 * self.height;
+        }
+        let penetrating = |(k, s): &&(usize, Spring)| {
+            s.gap.value < -1e-9 * self.height && !active.iter().any(|(a, _)| a == k)
+        };
+        settled &= !list.iter().any(|entry| penetrating(&entry));
+        Ok((size, settled))
+    }
+}

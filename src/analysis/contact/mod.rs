@@ -1,0 +1,388 @@
+//! `rotor contact`: equilibrium and motion of beams in contact.
+
+mod equilibrium;
+mod motion;
+mod record;
+
+use super::Outcome;
+use crate::contact::bodies::{Bodies, assemblies};
+use crate::contact::penalty::Spring;
+use crate::contact::search::{Counts, Search};
+use crate::contact::spatial;
+use crate::error::Result;
+use crate::model::scene::{Action, Enforcement, Scene};
+use crate::results::{BodyState, Contact, ContactHistory, Diagnostic, ModelSummary, PairState, Snapshot};
+use equilibrium::Equilibrium;
+use motion::Motion;
+use record::{Recorder, due, kind, outlines, pairs};
+use std::time::Instant;
+
+/// Called with the share of the run that is done and a line on where it is; false stops the run.
+pub type Watch<'a> = &'a (dyn Fn(f64, &str) -> bool + Sync);
+
+/// Overlap at the start that is rounding, over the height.
+const TOUCHING: f64 = 1e-6;
+
+/// Detection of planar or spatial bodies, in equilibrium.
+pub enum Detector {
+    /// 2322s.
+    Planar(Box<Search>),
+    /// 3333s and 34X3.
+    Spatial(Box<spatial::Search>),
+}
+
+/// Bodies that overlap at the start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Overlap {
+    /// Their indices.
+    pub bodies: (usize, usize),
+    /// Penetration, m.
+    pub depth: f64,
+}
+
+impl Detector {
+    fn new(bodies: &Bodies<'_>) -> Self {
+        if bodies.scene.is_planar() {
+            Self::Planar(Box::new(Search::new(bodies)))
+        } else {
+            Self::Spatial(Box::new(spatial::Search::new(bodies)))
+        }
+    }
+
+    /// Looks for near pairs where the last ones may be out of date.
+    fn update(&mut self, bodies: &Bodies<'_>, q: &[f64]) {
+        match self {
+            _ if bodies.scene.contact.method == Enforcement::None => {}
+            Self::Planar(search) => {
+                search.prepare(bodies, q, &vec![0.0; q.len()], 1.0);
+                search.choose_corners(bodies, q);
+            }
+            Self::Spatial(search) => search.update(bodies, q),
+        }
+    }
+
+    fn any(&self) -> bool {
+        match self {
+            Self::Planar(search) => search.any(),
+            Self::Spatial(search) => search.any(),
+        }
+    }
+
+    /// Cuts the integration segments anew; returns the largest change of a probe's place.
+    fn cut(&mut self, bodies: &Bodies<'_>, q: &[f64]) -> f64 {
+        match self {
+            Self::Planar(search) => search.cut(bodies.scene, q),
+            Self::Spatial(_) => 0.0,
+        }
+    }
+
+    fn springs(&mut self, bodies: &Bodies<'_>, q: &[f64], limit: f64) -> Vec<(usize, Spring)> {
+        match self {
+            Self::Planar(search) => search.springs(bodies, q, limit),
+            Self::Spatial(search) => search.springs(bodies, q, limit),
+        }
+    }
+
+    /// Smallest gap between two bodies.
+    fn distance(&self, bodies: &Bodies<'_>, pair: (usize, usize), q: &[f64]) -> Option<f64> {
+        match self {
+            Self::Planar(search) => search.distance(bodies, pair, q),
+            Self::Spatial(search) => search.distance(bodies, pair, q),
+        }
+    }
+
+    fn angle(&self, pair: (usize, usize)) -> Option<f64> {
+        match self {
+            Self::Planar(_) => None,
+            Self::Spatial(search) => search.angle(pair),
+        }
+    }
+
+    fn counts(&self) -> Counts {
+        match self {
+            Self::Planar(search) => search.counts,
+            Self::Spatial(search) => search.counts,
+        }
+    }
+}
+
+/// The deepest overlap of the bodies as they are placed, if any.
+///
+/// # Errors
+/// An element without nonlinear form.
+pub fn overlap(scene: &Scene) -> Result<Option<Overlap>> {
+    if scene.contact.method == Enforcement::None {
+        return Ok(None);
+    }
+    let shafts = assemblies(scene);
+    let bodies = Bodies::new(scene, &shafts)?;
+    let mut detector = Detector::new(&bodies);
+    let q = bodies.reference();
+    detector.update(&bodies, q);
+    let found = match &mut detector {
+        Detector::Planar(search) => search.overlap(&bodies, q),
+        Detector::Spatial(search) => search.overlap(&bodies, q),
+    };
+    let limit = |a: usize, b: usize| TOUCHING * scene.bodies[a].height.min(scene.bodies[b].height);
+    Ok(found
+        .filter(|&(a, b, gap)| gap < -limit(a, b))
+        .map(|(a, b, gap)| Overlap { bodies: (a, b), depth: -gap }))
+}
+
+/// Finds the equilibrium of a scene, or its motion.
+///
+/// # Errors
+/// An element without nonlinear form, or matrices that can't be factorised at the start. A run that ends early is no error: its
+/// results say so (`converged`), with a diagnostic.
+pub fn contact(scene: &Scene, watch: Watch<'_>) -> Result<Outcome<Contact>> {
+    let start = Instant::now();
+    let shafts = assemblies(scene);
+    let bodies = Bodies::new(scene, &shafts)?;
+    let mut outcome = match scene.contact.until {
+        Some(until) => moving(&bodies, until, watch)?,
+        None => resting(&bodies, watch)?,
+    };
+    outcome.results.cost.total_s = start.elapsed().as_secs_f64();
+    Ok(outcome)
+}
+
+fn moving(bodies: &Bodies<'_>, until: f64, watch: Watch<'_>) -> Result<Outcome<Contact>> {
+    let (scene, settings) = (bodies.scene, &bodies.scene.contact);
+    let mut motion = Motion::new(bodies, Search::new(bodies))?;
+    if settings.method != Enforcement::None {
+        motion.search.prepare(bodies, &motion.q, &motion.v, settings.step);
+        motion.search.cut(scene, &motion.q);
+    }
+    let energies = motion.energies(0.0);
+    let mut recorder = Recorder::new(bodies, energies);
+    recorder.row(bodies, &motion.search, (0.0, &motion.q, &motion.v), &energies);
+    recorder.snapshot(bodies, 0.0, &motion.q);
+    let mut diagnostics = Vec::new();
+    let mut converged = true;
+    let steps = (until / settings.step).round().max(1.0) as usize;
+    let step = until / steps as f64;
+    let rows = (settings.output - 1).min(steps);
+    let shots = settings.snapshots.saturating_sub(1).max(1);
+    let (mut row, mut shot) = (1, 1);
+    for k in 1..=steps {
+        let target = until * k as f64 / steps as f64;
+        if let Err(error) = motion.advance(target - motion.t, &mut recorder) {
+            converged = false;
+            diagnostics.push(Diagnostic::error("not-converged", error.to_string().replace('\n', ";")));
+        }
+        let t = motion.t;
+        let last = k == steps || !converged;
+        if last || due(t, until * row as f64 / rows as f64, step) {
+            let energies = *recorder.last();
+            recorder.row(bodies, &motion.search, (t, &motion.q, &motion.v), &energies);
+            while row <= rows && due(t, until * row as f64 / rows as f64, step) {
+                row += 1;
+            }
+        }
+        if last || due(t, until * shot as f64 / shots as f64, step) {
+            recorder.snapshot(bodies, t, &motion.q);
+            while shot <= shots && due(t, until * shot as f64 / shots as f64, step) {
+                shot += 1;
+            }
+        }
+        if !converged {
+            break;
+        }
+        let line = format!("{t:.4} s, {} contacts", recorder.events.len());
+        if !watch(t / until, &line) {
+            converged = false;
+            diagnostics.push(Diagnostic::error(
+                "stopped",
+                format!("the run was stopped at {t:.6} s of {until} s; this report holds what was done"),
+            ));
+            break;
+        }
+    }
+    let change = recorder.energy_change();
+    let residuals = recorder.momentum_residuals();
+    let mut stats = motion.stats;
+    stats.searches = motion.search.counts.searches;
+    motion.cost.search_s = motion.search.counts.seconds;
+    let mut model = summary(bodies);
+    model.modelled.push(format!(
+        "inertia; {} steps of {:.4e} s",
+        match settings.stepping {
+            crate::model::scene::Stepping::EnergyConsistent => "energy-consistent midpoint",
+            crate::model::scene::Stepping::SemiImplicit => "semi-implicit Euler",
+        },
+        step
+    ));
+    if stats.gaps == 0 && settings.method != Enforcement::None {
+        model.left_out.push("contact forces: nothing came near, no gap was measured".to_owned());
+    }
+    let results = Contact {
+        method: settings.method.name(),
+        integrator: Some(settings.stepping.name()),
+        penalty_n_m3: settings.penalty,
+        converged,
+        time_s: Some(motion.t),
+        load_factor: None,
+        bodies: body_states(bodies, &motion.q),
+        pairs: recorder.pair_states(bodies, &motion.search, &motion.q),
+        events: std::mem::take(&mut recorder.events),
+        largest_penetration_m: recorder.penetration,
+        energy_error: change.map(|c| c.0),
+        energy_change: change.map(|c| c.1),
+        momentum_residual: residuals.map(|r| r[0]),
+        angular_momentum_residual: residuals.map(|r| r[1]),
+        solver: stats,
+        history: Some(recorder.history),
+        snapshots: recorder.snapshots,
+        cost: motion.cost,
+    };
+    Ok(Outcome { results, model, diagnostics })
+}
+
+fn resting(bodies: &Bodies<'_>, watch: Watch<'_>) -> Result<Outcome<Contact>> {
+    let scene = bodies.scene;
+    let (state, detector) = Equilibrium::new(bodies, Detector::new(bodies)).solve(watch);
+    let mut diagnostics = Vec::new();
+    if let Some(why) = &state.stopped {
+        diagnostics.push(Diagnostic::error(
+            "not-converged",
+            format!(
+                "no equilibrium was found beyond {:.4} of the loads ({}); this report holds the last state found. Support \
+                 every body, raise contact.load_steps, or lower contact.penalty",
+                state.factor,
+                why.replace('\n', ";")
+            ),
+        ));
+    }
+    let mut model = summary(bodies);
+    model.left_out.push("inertia and damping: an equilibrium".to_owned());
+    let deepest = state.springs.iter().map(Spring::penetration).fold(0.0, f64::max);
+    let snapshots = [(bodies.reference(), "undeformed"), (&state.q[..], "equilibrium")]
+        .map(|(q, label)| Snapshot { label: label.to_owned(), outlines: outlines(bodies, q) })
+        .to_vec();
+    let results = Contact {
+        method: scene.contact.method.name(),
+        integrator: None,
+        penalty_n_m3: scene.contact.penalty,
+        converged: state.factor == 1.0,
+        time_s: None,
+        load_factor: Some(state.factor),
+        bodies: body_states(bodies, &state.q),
+        pairs: resting_pairs(bodies, &detector, &state),
+        events: Vec::new(),
+        largest_penetration_m: deepest,
+        energy_error: None,
+        energy_change: None,
+        momentum_residual: None,
+        angular_momentum_residual: None,
+        solver: state.stats,
+        history: None::<ContactHistory>,
+        snapshots,
+        cost: state.cost,
+    };
+    Ok(Outcome { results, model, diagnostics })
+}
+
+fn resting_pairs(bodies: &Bodies<'_>, detector: &Detector, state: &equilibrium::State) -> Vec<PairState> {
+    let scene = bodies.scene;
+    let one = |(a, b): (usize, usize)| {
+        let own = |s: &Spring| (s.bodies.0.min(s.bodies.1), s.bodies.0.max(s.bodies.1)) == (a, b);
+        let mut pair = PairState {
+            bodies: [a, b].map(|i| scene.bodies[i].name.clone()),
+            kind: "none",
+            points: 0,
+            gap_m: detector.distance(bodies, (a, b), &state.q),
+            penetration_m: 0.0,
+            force_n: [0.0; 3],
+            angle_deg: detector.angle((a, b)).map(f64::to_degrees),
+        };
+        let mut kinds = [false; 2];
+        for (spring, force) in state.springs.iter().zip(&state.forces).filter(|(s, f)| own(s) && **f > 0.0) {
+            pair.points += 1;
+            kinds[usize::from(!spring.line)] = true;
+            pair.penetration_m = pair.penetration_m.max(spring.penetration());
+            let sign = if spring.bodies.0 == a { *force } else { -force };
+            (0..3).for_each(|c| pair.force_n[c] += sign * spring.gap.normal[c]);
+        }
+        pair.kind = kind(kinds[0], kinds[1]);
+        if pair.penetration_m > 0.0 {
+            pair.gap_m = Some(pair.gap_m.unwrap_or(0.0).min(-pair.penetration_m));
+        }
+        pair
+    };
+    pairs(scene).into_iter().map(one).collect()
+}
+
+fn body_states(bodies: &Bodies<'_>, q: &[f64]) -> Vec<BodyState> {
+    let place = |at: usize, of: &[f64]| {
+        let mut x = [0.0; 3];
+        (0..bodies.components()).for_each(|c| x[c] = of[at + c]);
+        x
+    };
+    let one = |(i, body): (usize, &crate::model::scene::Body)| {
+        let ends = [bodies.node(i, 0), bodies.node(i, body.nodes() - 1)];
+        let now = ends.map(|at| place(at, q));
+        let then = ends.map(|at| place(at, bodies.reference()));
+        let moved = |k: usize| [0, 1, 2].map(|c| now[k][c] - then[k][c]);
+        BodyState {
+            name: body.name.clone(),
+            element: body.element.clone(),
+            elements: body.elements,
+            start_m: now[0],
+            start_displacement_m: moved(0),
+            end_m: now[1],
+            end_displacement_m: moved(1),
+        }
+    };
+    bodies.scene.bodies.iter().enumerate().map(one).collect()
+}
+
+/// What a scene models and leaves out.
+fn summary(bodies: &Bodies<'_>) -> ModelSummary {
+    let scene = bodies.scene;
+    let mut names: Vec<&str> = scene.bodies.iter().map(|b| b.element.as_str()).collect();
+    names.dedup();
+    let mut modelled = vec!["finite displacements".to_owned(), format!("elements {}", names.join(", "))];
+    let mut left_out = Vec::new();
+    let contact = match scene.contact.method {
+        Enforcement::Penalty => {
+            format!("contact by penalty, {:.4e} N/m^3 along lines", scene.contact.penalty)
+        }
+        Enforcement::Lcp => {
+            "contact by complementarity at nodes and corners, all contacts of a step together".to_owned()
+        }
+        Enforcement::LcpSingle => {
+            "contact by scalar complementarity, one contact of a step: for comparison".to_owned()
+        }
+        Enforcement::ActiveSet => "contact by a primal-dual active set at nodes and corners".to_owned(),
+        Enforcement::None => String::new(),
+    };
+    if contact.is_empty() {
+        left_out.push("contact: switched off (contact.method none), nothing is looked for".to_owned());
+    } else {
+        modelled.push(contact);
+        left_out.push("friction: contact acts along the normal only".to_owned());
+        if !scene.contact.with_itself {
+            left_out.push("contact of a body with itself: contact.self is false".to_owned());
+        }
+    }
+    if bodies.has_gravity() {
+        modelled.push("gravity".to_owned());
+    } else {
+        left_out.push("gravity: none given".to_owned());
+    }
+    let loads: Vec<Action> = scene.bodies.iter().flat_map(|b| &b.loads).map(|l| l.action).collect();
+    if loads.is_empty() {
+        left_out.push("loads: none given".to_owned());
+    } else {
+        let pressures = loads.iter().filter(|a| matches!(a, Action::Pressure(..))).count();
+        modelled.push(format!("{} loads, {pressures} follower pressures among them", loads.len()));
+    }
+    ModelSummary {
+        degrees_of_freedom: bodies.free().len(),
+        elements: scene.bodies.iter().map(|b| b.elements).sum(),
+        mass_kg: (0..scene.bodies.len()).map(|i| bodies.mass_of(i)).sum(),
+        modelled,
+        left_out,
+        estimated_error: None,
+    }
+}

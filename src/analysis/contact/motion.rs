@@ -1,0 +1,540 @@
+//! Motion of a planar scene: an energy-consistent step with penalty springs, and the semi-implicit Euler step with penalty
+//! springs or complementarity of gap velocity and impulse.
+
+use super::record::{Energies, Recorder, Touch};
+use crate::contact::bodies::Bodies;
+use crate::contact::boundary::Hit;
+use crate::contact::gap::Gap;
+use crate::contact::penalty::{self, Stroke};
+use crate::contact::search::Search;
+use crate::error::{Error, Result};
+use crate::linalg::factor::Ldlt;
+use crate::linalg::lcp::lemke;
+use crate::linalg::lu::{Entries, Solver};
+use crate::model::scene::{Enforcement, Stepping};
+use crate::results::{ContactCost, ContactSolver};
+use faer::Mat;
+use std::time::Instant;
+
+/// Newton iterations of a step.
+const ITERATIONS: usize = 25;
+/// Correction of a converged step, over the height.
+const CONVERGED: f64 = 1e-11;
+/// Times that a step is halved.
+const HALVINGS: usize = 10;
+/// Penetration in heights that a step may not reach.
+const DEEPEST: f64 = 0.25;
+/// Position projections of a step.
+const PROJECTIONS: usize = 5;
+/// Penetration in heights that position projection leaves.
+const PROJECTED: f64 = 1e-9;
+/// Gap in heights up to which a contact takes part in the complementarity problem at least.
+const CLOSE: f64 = 1e-3;
+/// Pivots of a complementarity problem per contact.
+const PIVOTS: usize = 50;
+
+/// A scene in motion.
+pub struct Motion<'a> {
+    /// The bodies.
+    pub bodies: &'a Bodies<'a>,
+    /// Detection.
+    pub search: Search,
+    /// Coordinates.
+    pub q: Vec<f64>,
+    /// Their rates, 1/s.
+    pub v: Vec<f64>,
+    /// Time, s.
+    pub t: f64,
+    /// How it went.
+    pub stats: ContactSolver,
+    /// Where the time went.
+    pub cost: ContactCost,
+    /// Work of the loads so far, J.
+    work: f64,
+    /// Impulse and moment impulse of the loads so far.
+    impulse: [f64; 3],
+    mass: Option<Ldlt<f64>>,
+    /// Internal force and strain energy at `q`.
+    internal: (Vec<f64>, f64),
+    solver: Solver,
+    entries: Entries,
+    height: f64,
+}
+
+/// Why a step of this size did not succeed; a smaller one may.
+enum Failure {
+    Smaller(String),
+    Final(Error),
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self::Final(error)
+    }
+}
+
+/// What a step found.
+struct Stepped {
+    q: Vec<f64>,
+    v: Vec<f64>,
+    internal: (Vec<f64>, f64),
+    contact: f64,
+    work: f64,
+    impulse: [f64; 3],
+    touches: Vec<Touch>,
+}
+
+impl<'a> Motion<'a> {
+    /// A scene at its start.
+    ///
+    /// # Errors
+    /// A mass matrix that can't be factorised.
+    pub fn new(bodies: &'a Bodies<'a>, search: Search) -> Result<Self> {
+        let scene = bodies.scene;
+        let mass = match scene.contact.stepping {
+            Stepping::SemiImplicit => Some(Ldlt::new(&bodies.mass()?)?),
+            Stepping::EnergyConsistent => None,
+        };
+        let mut force = vec![0.0; bodies.len()];
+        let q = bodies.reference().to_vec();
+        let energy = bodies.internal_force(&q, &mut force);
+        Ok(Self {
+            bodies,
+            search,
+            v: bodies.initial_velocity(),
+            q,
+            t: 0.0,
+            stats: ContactSolver::default(),
+            cost: ContactCost::default(),
+            work: 0.0,
+            impulse: [0.0; 3],
+            mass,
+            internal: (force, energy),
+            solver: Solver::default(),
+            entries: Entries::default(),
+            height: scene.bodies.iter().map(|b| b.height).fold(f64::INFINITY, f64::min),
+        })
+    }
+
+    /// Steps from `self.t` by `dt`, in parts where the approach is too fast or the step does not succeed.
+    ///
+    /// # Errors
+    /// A step that fails at its smallest size, or a complementarity problem without solution.
+    pub fn advance(&mut self, dt: f64, recorder: &mut Recorder<'_>) -> Result<()> {
+        let mut parts = 1;
+        if self.bodies.scene.contact.method != Enforcement::None {
+            parts = self.search.prepare(self.bodies, &self.q, &self.v, dt);
+        }
+        self.stats.cut += usize::from(parts > 1);
+        let end = self.t + dt;
+        let mut part = dt / parts as f64;
+        let smallest = part / 2.0_f64.powi(HALVINGS as i32);
+        while self.t < end - 1e-9 * dt {
+            let now = part.min(end - self.t);
+            if parts > 1 {
+                self.search.prepare(self.bodies, &self.q, &self.v, now);
+            }
+            self.search.choose_corners(self.bodies, &self.q);
+            let step = match self.bodies.scene.contact.stepping {
+                Stepping::EnergyConsistent => self.consistent(now),
+                Stepping::SemiImplicit => self.semi_implicit(now),
+            };
+            match step {
+                Ok(step) => {
+                    self.t = if now < end - self.t { self.t + now } else { end };
+                    self.accept(step, now, recorder);
+                }
+                Err(Failure::Final(error)) => return Err(error),
+                Err(Failure::Smaller(why)) => {
+                    parts = 2;
+                    part = now / 2.0;
+                    self.stats.cut += 1;
+                    if part < smallest {
+                        return Err(Error::analysis(
+                            format!("no step succeeds at {:.9} s", self.t),
+                            format!("a step of {now:.3e} s, after {HALVINGS} halvings: {why}"),
+                            "take a smaller contact.step, a smaller contact.penalty or more elements",
+                        ));
+                    }
+                }
+            }
+        }
+        self.t = end;
+        Ok(())
+    }
+
+    fn accept(&mut self, step: Stepped, dt: f64, recorder: &mut Recorder<'_>) {
+        self.work += step.work;
+        self.impulse.iter_mut().zip(step.impulse).for_each(|(sum, part)| *sum += part);
+        (self.q, self.v, self.internal) = (step.q, step.v, step.internal);
+        self.stats.steps += 1;
+        let energies = self.energies(step.contact);
+        recorder.step(self.t, dt, &energies, &step.touches);
+    }
+
+    /// Energies of the present state; `contact` in springs, J.
+    pub fn energies(&self, contact: f64) -> Energies {
+        Energies {
+            motion: self.bodies.motion(&self.q, &self.v),
+            strain: self.internal.1,
+            contact,
+            gravity: self.bodies.gravity_potential(&self.q),
+            work: self.work,
+            impulse: self.impulse,
+        }
+    }
+
+    fn consistent(&mut self, dt: f64) -> std::result::Result<Stepped, Failure> {
+        let (bodies, n) = (self.bodies, self.bodies.len());
+        let (q0, v0, unknown) = (self.q.clone(), self.v.clone(), bodies.unknown());
+        let before = self.hits(&q0);
+        let mut q1: Vec<f64> = q0.iter().zip(&v0).map(|(q, v)| q + dt * v).collect();
+        let (mut force, mut load, mut inertia) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        let mut momentum = vec![0.0; n];
+        bodies.mass_times(&v0, &mut momentum);
+        let mut delta = vec![0.0; bodies.free().len()];
+        let mut last = f64::INFINITY;
+        for iteration in 1..=ITERATIONS {
+            let middle: Vec<f64> = q0.iter().zip(&q1).map(|(a, b)| (a + b) / 2.0).collect();
+            self.entries.clear();
+            let start = Instant::now();
+            bodies.average_force(&q0, &q1, &mut force, Some(&mut self.entries));
+            bodies.loads(&middle, self.t + dt / 2.0, 1.0, &mut load, Some((&mut self.entries, 0.5)));
+            self.cost.elements_s += start.elapsed().as_secs_f64();
+            let start = Instant::now();
+            let strokes = self.strokes(&before, &q1, &middle);
+            let states = [&q0[..], &q1, &middle];
+            penalty::add_average(
+                &strokes,
+                states,
+                bodies.components(),
+                unknown,
+                &mut force,
+                Some(&mut self.entries),
+            );
+            self.cost.gaps_s += start.elapsed().as_secs_f64();
+            bodies.add_mass(2.0 / (dt * dt), &mut self.entries);
+            let moved: Vec<f64> = q0.iter().zip(&q1).map(|(a, b)| b - a).collect();
+            bodies.mass_times(&moved, &mut inertia);
+            for (d, &k) in delta.iter_mut().zip(bodies.free()) {
+                *d = load[k] - force[k] - (2.0 * inertia[k] / dt - 2.0 * momentum[k]) / dt;
+            }
+            let start = Instant::now();
+            let solved = self.solver.solve(delta.len(), &self.entries, &mut delta);
+            self.cost.solve_s += start.elapsed().as_secs_f64();
+            solved.map_err(|e| Failure::Smaller(e.to_string()))?;
+            let size = delta.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
+            for (d, &k) in delta.iter().zip(bodies.free()) {
+                q1[k] += d;
+            }
+            self.stats.iterations += 1;
+            self.stats.most_iterations = self.stats.most_iterations.max(iteration);
+            if !(size < 1e3 * self.height.max(dt)) || (iteration > 8 && size > 2.0 * last) {
+                break;
+            }
+            // a correction that stays at the rounding error of the system is the end as well
+            if size <= CONVERGED * self.height
+                || (iteration > 6 && size < 1e-9 * self.height && size >= last / 2.0)
+            {
+                return self.finish(dt, q0, q1, v0, &before);
+            }
+            last = size;
+        }
+        Err(Failure::Smaller(format!("Newton's method did not converge (last correction {last:.1e} m)")))
+    }
+
+    /// The converged end of an energy-consistent step.
+    fn finish(
+        &mut self,
+        dt: f64,
+        q0: Vec<f64>,
+        q1: Vec<f64>,
+        v0: Vec<f64>,
+        before: &[Option<Hit>],
+    ) -> std::result::Result<Stepped, Failure> {
+        let (bodies, n) = (self.bodies, self.bodies.len());
+        let middle: Vec<f64> = q0.iter().zip(&q1).map(|(a, b)| (a + b) / 2.0).collect();
+        let v1: Vec<f64> = (0..n).map(|k| 2.0 * (q1[k] - q0[k]) / dt - v0[k]).collect();
+        let (mut force, mut load) = (vec![0.0; n], vec![0.0; n]);
+        let strain = bodies.average_force(&q0, &q1, &mut force, None);
+        let strokes = self.strokes(before, &q1, &middle);
+        let deepest = strokes.iter().map(|s| s.after).fold(0.0, f64::min);
+        if deepest < -DEEPEST * self.height {
+            return Err(Failure::Smaller(format!("a penetration of {:.1e} m", -deepest)));
+        }
+        let mut contact = 0.0;
+        let mut touches = Vec::new();
+        for stroke in &strokes {
+            let spring = &stroke.middle;
+            let [low, high] = [stroke.before, stroke.after].map(|g| g.min(0.0));
+            contact += 0.5 * spring.weight * high * high;
+            touches.push(Touch {
+                bodies: spring.bodies,
+                positions: spring.positions,
+                line: spring.line,
+                penetration: -high,
+                force: spring.gap.normal * (-0.5 * spring.weight * (low + high)),
+                within: Touch::within(stroke.before, stroke.after),
+            });
+        }
+        bodies.loads(&middle, self.t + dt / 2.0, 1.0, &mut load, None);
+        let moved: Vec<f64> = q0.iter().zip(&q1).map(|(a, b)| b - a).collect();
+        let (work, impulse) = self.done(&load, &moved, &middle, dt);
+        Ok(Stepped { q: q1, v: v1, internal: (Vec::new(), strain), contact, work, impulse, touches })
+    }
+
+    /// Work of the loads other than gravity, and impulse and moment impulse of all.
+    fn done(&self, load: &[f64], moved: &[f64], at: &[f64], dt: f64) -> (f64, [f64; 3]) {
+        let all: f64 = load.iter().zip(moved).map(|(f, d)| f * d).sum();
+        let later: Vec<f64> = self.q.iter().zip(moved).map(|(q, d)| q + d).collect();
+        let gravity = self.bodies.gravity_potential(&self.q) - self.bodies.gravity_potential(&later);
+        let mut impulse = [0.0; 3];
+        for (f, q) in load.chunks_exact(4).zip(at.chunks_exact(4)) {
+            impulse[0] += f[0] * dt;
+            impulse[1] += f[1] * dt;
+            impulse[2] += (q[0] * f[1] - q[1] * f[0] + q[2] * f[3] - q[3] * f[2]) * dt;
+        }
+        (all - gravity, impulse)
+    }
+
+    /// Gap of every probe that is near something.
+    fn hits(&mut self, q: &[f64]) -> Vec<Option<Hit>> {
+        if !self.search.any() {
+            return Vec::new();
+        }
+        let start = Instant::now();
+        let hits: Vec<Option<Hit>> =
+            self.search.probes.iter().map(|probe| self.search.gap(self.bodies, probe, q)).collect();
+        self.stats.gaps += hits.iter().flatten().count();
+        self.cost.gaps_s += start.elapsed().as_secs_f64();
+        hits
+    }
+
+    /// Springs that are compressed at either end of a step.
+    fn strokes(&mut self, before: &[Option<Hit>], q1: &[f64], middle: &[f64]) -> Vec<Stroke> {
+        if before.is_empty() {
+            return Vec::new();
+        }
+        let search = &self.search;
+        let mut list = Vec::new();
+        for (probe, first) in search.probes.iter().zip(before) {
+            let after = search.gap(self.bodies, probe, q1);
+            let closed = |hit: &Option<Hit>| hit.is_some_and(|h| h.gap < 0.0 && !h.at_corner);
+            if !closed(first) && !closed(&after) {
+                continue;
+            }
+            self.stats.gaps += 2;
+            let between = search.gap(self.bodies, probe, middle);
+            let Some(hit) = between.filter(|h| !h.at_corner).or(after).or(*first) else { continue };
+            let value =
+                |hit: &Option<Hit>| hit.map_or(0.0, |h| if h.at_corner { h.gap.max(0.0) } else { h.gap });
+            list.push(Stroke {
+                middle: search.spring(probe, &hit),
+                before: value(first),
+                after: value(&after),
+                gradient: after
+                    .map_or(Vec::new(), |h| search.spring(probe, &h).gap.gradient(self.bodies.components())),
+            });
+        }
+        list
+    }
+
+    fn semi_implicit(&mut self, dt: f64) -> std::result::Result<Stepped, Failure> {
+        let (bodies, n) = (self.bodies, self.bodies.len());
+        let (method, unknown) = (bodies.scene.contact.method, bodies.unknown());
+        let mut load = vec![0.0; n];
+        bodies.loads(&self.q, self.t, 1.0, &mut load, None);
+        let mut force = self.internal.0.clone();
+        let mut touches = Vec::new();
+        if method == Enforcement::Penalty {
+            let start = Instant::now();
+            let springs = self.springs(&self.q.clone());
+            self.stats.gaps += springs.len();
+            penalty::add(&springs, &self.q, bodies.components(), unknown, &mut force, None);
+            touches.extend(springs.iter().filter(|s| s.gap.value < 0.0).map(|s| Touch {
+                bodies: s.bodies,
+                positions: s.positions,
+                line: s.line,
+                penetration: s.penetration(),
+                force: s.gap.normal * (s.weight * s.penetration()),
+                within: [0.0, 1.0],
+            }));
+            self.cost.gaps_s += start.elapsed().as_secs_f64();
+        }
+        let mut kick: Vec<f64> = bodies.free().iter().map(|&k| dt * (load[k] - force[k])).collect();
+        let start = Instant::now();
+        self.solve_mass(&mut kick);
+        self.cost.solve_s += start.elapsed().as_secs_f64();
+        let mut v1 = self.v.clone();
+        bodies.free().iter().zip(&kick).for_each(|(&k, d)| v1[k] += d);
+        let single = method == Enforcement::LcpSingle;
+        let mut contacts = Vec::new();
+        if method == Enforcement::Lcp || single {
+            contacts = self.contacts(&v1, dt);
+            if single {
+                let predicted = |c: &Contact| c.gap.value / dt + penalty::rate(&c.gradient, &v1);
+                contacts.sort_by(|a, b| predicted(a).total_cmp(&predicted(b)));
+                contacts.truncate(1);
+            }
+        }
+        if !contacts.is_empty() {
+            let velocities: Vec<f64> = contacts
+                .iter()
+                .map(|c| {
+                    let gap = if single { c.gap.value } else { c.gap.value.max(0.0) };
+                    penalty::rate(&c.gradient, &v1) + gap / dt
+                })
+                .collect();
+            let (impulses, change) = self.impulses(&contacts, &velocities)?;
+            bodies.free().iter().zip(&change).for_each(|(&k, d)| v1[k] += d);
+            for (c, impulse) in contacts.iter().zip(&impulses).filter(|(_, i)| **i > 0.0) {
+                touches.push(Touch {
+                    bodies: c.bodies,
+                    positions: c.positions,
+                    line: c.line,
+                    penetration: (-c.gap.value).max(0.0),
+                    force: c.gap.normal * (impulse / dt),
+                    within: [0.0, 1.0],
+                });
+            }
+        }
+        let mut q1: Vec<f64> = self.q.iter().zip(&v1).map(|(q, v)| q + dt * v).collect();
+        let moved: Vec<f64> = self.q.iter().zip(&q1).map(|(a, b)| b - a).collect();
+        let (work, impulse) = self.done(&load, &moved, &self.q, dt);
+        if method == Enforcement::Lcp && !contacts.is_empty() {
+            self.project(&mut q1)?;
+        }
+        let mut internal = (self.internal.0.clone(), 0.0);
+        let start = Instant::now();
+        internal.1 = bodies.internal_force(&q1, &mut internal.0);
+        self.cost.elements_s += start.elapsed().as_secs_f64();
+        if !internal.1.is_finite() || q1.iter().any(|q| !(q.abs() < 1e12)) {
+            return Err(Failure::Final(Error::analysis(
+                format!("the motion has left all bounds at {:.6} s", self.t),
+                format!("semi-implicit Euler steps of {dt:.3e} s"),
+                "take a smaller contact.step (it must resolve the fastest wave through an element), or the \
+                 energy-consistent integrator",
+            )));
+        }
+        let mut contact = 0.0;
+        if method == Enforcement::Penalty {
+            let springs = self.springs(&q1);
+            contact = springs.iter().map(penalty::Spring::energy).sum();
+            let deepest = springs.iter().map(penalty::Spring::penetration).fold(0.0, f64::max);
+            if deepest > DEEPEST * self.height {
+                return Err(Failure::Smaller(format!("a penetration of {deepest:.1e} m")));
+            }
+        }
+        Ok(Stepped { q: q1, v: v1, internal, contact, work, impulse, touches })
+    }
+
+    /// Compressed springs.
+    fn springs(&self, q: &[f64]) -> Vec<penalty::Spring> {
+        self.search.springs(self.bodies, q, 0.0).into_iter().map(|(_, spring)| spring).collect()
+    }
+
+    /// `x := M^-1 x` on the unknowns.
+    fn solve_mass(&self, x: &mut [f64]) {
+        let Some(mass) = &self.mass else { return };
+        let mut m = Mat::from_fn(x.len(), 1, |i, _| x[i]);
+        mass.solve_in_place(m.as_mut());
+        x.iter_mut().zip(m.col(0).iter()).for_each(|(x, m)| *x = *m);
+    }
+
+    /// Contacts that may close within a step.
+    fn contacts(&mut self, v: &[f64], dt: f64) -> Vec<Contact> {
+        let start = Instant::now();
+        let close = CLOSE * self.height;
+        let hits = self.hits(&self.q.clone());
+        let mut list = Vec::new();
+        for (probe, hit) in self.search.probes.iter().zip(&hits) {
+            let Some(hit) = hit.filter(|h| !h.at_corner) else { continue };
+            let spring = self.search.spring(probe, &hit);
+            let gradient = spring.gap.gradient(self.bodies.components());
+            if hit.gap + dt * penalty::rate(&gradient, v) < close {
+                list.push(Contact {
+                    bodies: spring.bodies,
+                    positions: spring.positions,
+                    line: spring.line,
+                    gap: spring.gap,
+                    gradient,
+                });
+            }
+        }
+        self.cost.gaps_s += start.elapsed().as_secs_f64();
+        list
+    }
+
+    /// Solves `N x + p >= 0, x >= 0, x (N x + p) = 0` with `N = D^T M^-1 D`; returns x and `M^-1 D x`.
+    fn impulses(&mut self, contacts: &[Contact], p: &[f64]) -> Result<(Vec<f64>, Vec<f64>)> {
+        let start = Instant::now();
+        let (count, unknown) = (contacts.len(), self.bodies.unknown());
+        let mut d = Mat::<f64>::zeros(self.bodies.free().len(), count);
+        for (j, contact) in contacts.iter().enumerate() {
+            for (k, value) in &contact.gradient {
+                if let Some(row) = unknown[*k] {
+                    d[(row, j)] += value;
+                }
+            }
+        }
+        let mut y = d.clone();
+        if let Some(mass) = &self.mass {
+            mass.solve_in_place(y.as_mut());
+        }
+        let n = d.transpose() * &y;
+        self.stats.complementarity_problems += 1;
+        self.stats.largest_problem = self.stats.largest_problem.max(count);
+        let x = if self.bodies.scene.contact.method == Enforcement::LcpSingle {
+            vec![(-p[0] / n[(0, 0)]).max(0.0)]
+        } else {
+            lemke(n.as_ref(), p, PIVOTS * count).map_err(|failure| {
+                Error::analysis(
+                    format!("the complementarity problem of the contacts has no solution at {:.9} s", self.t),
+                    format!("Lemke's method on {count} contacts: {failure}"),
+                    "take a smaller contact.step; or the method penalty",
+                )
+            })?
+        };
+        let change = (0..y.nrows()).map(|i| (0..count).map(|j| y[(i, j)] * x[j]).sum()).collect();
+        self.cost.complementarity_s += start.elapsed().as_secs_f64();
+        Ok((x, change))
+    }
+
+    /// Moves the state out of penetration along `M^-1 D`.
+    fn project(&mut self, q: &mut [f64]) -> Result<()> {
+        for _ in 0..PROJECTIONS {
+            let hits = self.hits(q);
+            let mut list = Vec::new();
+            let mut deepest = 0.0_f64;
+            for (probe, hit) in self.search.probes.iter().zip(&hits) {
+                let Some(hit) = hit.filter(|h| !h.at_corner && h.gap < CLOSE * self.height) else { continue };
+                let spring = self.search.spring(probe, &hit);
+                let gradient = spring.gap.gradient(self.bodies.components());
+                deepest = deepest.min(hit.gap);
+                list.push(Contact {
+                    bodies: spring.bodies,
+                    positions: spring.positions,
+                    line: spring.line,
+                    gap: spring.gap,
+                    gradient,
+                });
+            }
+            if deepest >= -PROJECTED * self.height {
+                break;
+            }
+            let gaps: Vec<f64> = list.iter().map(|c| c.gap.value).collect();
+            let (_, change) = self.impulses(&list, &gaps)?;
+            self.bodies.free().iter().zip(&change).for_each(|(&k, d)| q[k] += d);
+        }
+        Ok(())
+    }
+}
+
+/// A contact of a complementarity problem.
+struct Contact {
+    bodies: (usize, usize),
+    positions: [f64; 2],
+    line: bool,
+    gap: Gap,
+    gradient: Vec<(usize, f64)>,
+}

@@ -1,0 +1,553 @@
+//! Which curves may touch, found in three phases, and the probes whose gaps are watched.
+//!
+//! 1. Broad: a tree of boxes around all curves, grown by a margin. The pairs found stay valid until a surface has moved so far
+//!    that the margin may be used up; with nothing near, that is the only work.
+//! 2. Oriented boxes with the separating axis test.
+//! 3. Narrow: the chord of one curve, clipped by the other's oriented box; what is left is measured by projection.
+//!
+//! Source: docs/theory.md section 13.
+
+use super::bodies::Bodies;
+use super::boundary::{Face, Hit, Reach, differentiable, faces, gap, normal, on_curve};
+use super::detect::{Aabb, OrientedBox, bezier, clip, near_pairs};
+use super::penalty::Spring;
+use crate::model::scene::{ContactSettings, Enforcement, Scene};
+use nalgebra::Vector3;
+
+/// Gauss points of an integration segment.
+const GAUSS: [(f64, f64); 4] = [
+    (-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
+    (-0.339_981_043_584_856_3, 0.652_145_154_862_546_1),
+    (0.339_981_043_584_856_3, 0.652_145_154_862_546_1),
+    (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
+];
+/// Share of a margin that nodes may move before the pairs are looked for again: both curves of a pair may move by 5/4 of it.
+const SPENT: f64 = 0.4;
+/// Margin in heights with which something near is watched.
+const NEAR: f64 = 1.0;
+/// Margin in heights, or in motions of a step, with which it is seen that nothing is near.
+const FAR: f64 = 4.0;
+/// Height that surfaces may move in a step while something is near.
+const STRIDE: f64 = 0.2;
+/// Self-contact: distance along the body, in heights, that neighbours have.
+const NEIGHBOURS: f64 = 3.0;
+/// Penetration in heights beyond which a curve is not the one that a point of a line has passed through.
+const LAYER: f64 = 0.45;
+/// Points on each curve where it is seen whether bodies overlap at the start.
+const OVERLAP_POINTS: usize = 9;
+
+/// What a probe stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A Gauss point of a line contact.
+    Line,
+    /// A corner: a contact of its own while `Probe::corner` says so.
+    Corner,
+    /// A node of a side.
+    Node,
+}
+
+/// A point of one boundary that is watched against one body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Probe {
+    /// Curve and parameter.
+    pub slave: (usize, f64),
+    /// Body that it may penetrate.
+    pub target: usize,
+    /// Energy is `weight g^2/2`, N/m.
+    pub weight: f64,
+    /// What it stands for.
+    pub kind: Kind,
+    /// Whether it is left to the line beside it (corners only).
+    pub idle: bool,
+}
+
+/// What detection did.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Counts {
+    /// Broad phases.
+    pub searches: usize,
+    /// Pairs of curves whose grown boxes overlap, last time.
+    pub broad: usize,
+    /// Pairs left by oriented boxes.
+    pub oriented: usize,
+    /// Pairs left by clipping.
+    pub narrow: usize,
+    /// Time in broad phase, boxes and clipping, s.
+    pub seconds: f64,
+}
+
+/// Detection between the boundaries of a scene.
+pub struct Search {
+    /// All curves.
+    pub faces: Vec<Face>,
+    /// Probes in the order of their curves.
+    pub probes: Vec<Probe>,
+    /// Per curve: near curves by body, those of one body together.
+    near: Vec<Vec<(usize, Vec<usize>)>>,
+    any: bool,
+    margin: f64,
+    built: Vec<f64>,
+    height: f64,
+    /// What it did.
+    pub counts: Counts,
+}
+
+/// Which of two bodies integrates: the one with the shorter elements, of equals the later one.
+pub fn slave_of(scene: &Scene, a: usize, b: usize) -> usize {
+    let size = |i: usize| scene.bodies[i].length / scene.bodies[i].elements as f64;
+    if size(a.min(b)) < size(a.max(b)) * (1.0 - 1e-9) { a.min(b) } else { a.max(b) }
+}
+
+impl Search {
+    /// Watches the bodies; pairs are looked for at the first call of [`Self::prepare`].
+    pub fn new(bodies: &Bodies<'_>) -> Self {
+        let scene = bodies.scene;
+        let faces = faces(bodies);
+        let mut search = Self {
+            near: vec![Vec::new(); faces.len()],
+            faces,
+            probes: Vec::new(),
+            any: false,
+            margin: -1.0,
+            built: Vec::new(),
+            height: scene.bodies.iter().map(|b| b.height).fold(f64::INFINITY, f64::min),
+            counts: Counts::default(),
+        };
+        search.probes = search.fixed_probes(scene);
+        search
+    }
+
+    /// Bodies against which curves of a body are watched, with the role of each.
+    fn targets(scene: &Scene, body: usize) -> Vec<usize> {
+        (0..scene.bodies.len()).filter(|&other| other != body || scene.contact.with_itself).collect()
+    }
+
+    /// Probes that do not depend on the state: uncut segments, or nodes, and corners.
+    fn fixed_probes(&self, scene: &Scene) -> Vec<Probe> {
+        let settings = &scene.contact;
+        let at_nodes = at_nodes(scene);
+        let mut list = Vec::new();
+        for (index, face) in self.faces.iter().enumerate() {
+            for target in Self::targets(scene, face.body) {
+                let line = face.body == target || slave_of(scene, face.body, target) == face.body;
+                if line && !at_nodes {
+                    self.segments(scene, index, target, &[], &mut list);
+                }
+                if face.corner(&self.faces[face.next]) {
+                    let share = if face.body == target { 0.5 } else { 1.0 };
+                    list.push(Probe {
+                        slave: (index, 1.0),
+                        target,
+                        weight: settings.point_penalty[face.body] * share,
+                        kind: Kind::Corner,
+                        idle: false,
+                    });
+                } else if line && at_nodes {
+                    list.push(node_probe(index, 1.0, target));
+                }
+                if line && at_nodes && face.along[0] != face.along[1] {
+                    list.push(node_probe(index, 0.0, target));
+                }
+            }
+        }
+        list
+    }
+
+    /// Gauss points of the segments of a curve, cut at more places.
+    fn segments(&self, scene: &Scene, index: usize, target: usize, cuts: &[f64], list: &mut Vec<Probe>) {
+        let face = &self.faces[index];
+        let settings: &ContactSettings = &scene.contact;
+        let count = settings.segments;
+        let mut bounds: Vec<f64> = (0..=count).map(|k| 2.0 * k as f64 / count as f64 - 1.0).collect();
+        bounds.extend_from_slice(cuts);
+        bounds.sort_by(f64::total_cmp);
+        // in self-contact every place is seen from both sides
+        let share = if face.body == target { 0.5 } else { 1.0 };
+        let per_length = settings.penalty * scene.bodies[face.body].width * share * face.length / 2.0;
+        for pair in bounds.windows(2).filter(|pair| pair[1] > pair[0]) {
+            let (middle, half) = ((pair[0] + pair[1]) / 2.0, (pair[1] - pair[0]) / 2.0);
+            for (x, w) in GAUSS {
+                list.push(Probe {
+                    slave: (index, middle + half * x),
+                    target,
+                    weight: per_length * half * w,
+                    kind: Kind::Line,
+                    idle: false,
+                });
+            }
+        }
+    }
+
+    /// Cuts the segments where the elements of the other body end, in the state `q`; returns the largest change of a probe's
+    /// parameter (infinity when their number changes).
+    pub fn cut(&mut self, scene: &Scene, q: &[f64]) -> f64 {
+        if !scene.contact.cut || scene.contact.method != Enforcement::Penalty {
+            return 0.0;
+        }
+        let corners: Vec<Probe> = self.probes.iter().copied().filter(|p| p.kind == Kind::Corner).collect();
+        let mut list = Vec::new();
+        for (index, face) in self.faces.iter().enumerate() {
+            for target in Self::targets(scene, face.body) {
+                if face.body != target && slave_of(scene, face.body, target) != face.body {
+                    continue;
+                }
+                let cuts = self.cuts(index, target, q);
+                self.segments(scene, index, target, &cuts, &mut list);
+            }
+        }
+        list.extend(corners);
+        list.sort_by_key(|p| p.slave.0);
+        let before = std::mem::replace(&mut self.probes, list);
+        if before.len() != self.probes.len() {
+            return f64::INFINITY;
+        }
+        before.iter().zip(&self.probes).map(|(a, b)| (a.slave.1 - b.slave.1).abs()).fold(0.0, f64::max)
+    }
+
+    /// Where the ends of near curves of a body project on a curve.
+    fn cuts(&self, index: usize, target: usize, q: &[f64]) -> Vec<f64> {
+        let face = &self.faces[index];
+        let Some(near) = self.near_of(index, target) else { return Vec::new() };
+        let points = face.points(q);
+        let mut cuts = Vec::new();
+        for &other in near {
+            let other = &self.faces[other];
+            let ends = other.points(q);
+            for (end, zeta) in [(ends[0], -1.0), (ends[2], 1.0)] {
+                let z = super::boundary::nearest(&points, &end);
+                // the master's own normal decides which point of the slave belongs to its end
+                let foot = self.along_normal(&points, z, &end, &normal(&ends, zeta));
+                if foot.abs() < 1.0 {
+                    cuts.push(foot);
+                }
+            }
+        }
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        cuts
+    }
+
+    /// Parameter where a curve meets the line from a point along a direction, from a start near it.
+    fn along_normal(
+        &self,
+        points: &[Vector3<f64>; 3],
+        start: f64,
+        from: &Vector3<f64>,
+        n: &Vector3<f64>,
+    ) -> f64 {
+        let mut z = start;
+        for _ in 0..8 {
+            let miss = on_curve(points, z) - from;
+            let d = crate::element::planar::slopes(z);
+            let t = points[0] * d[0] + points[1] * d[1] + points[2] * d[2];
+            let slope = t.x * n.y - t.y * n.x;
+            let value = miss.x * n.y - miss.y * n.x;
+            if slope.abs() < 1e-3 * t.norm() {
+                return f64::INFINITY;
+            }
+            let step = value / slope;
+            z -= step;
+            if step.abs() < 1e-14 {
+                break;
+            }
+        }
+        z
+    }
+
+    fn near_of(&self, face: usize, target: usize) -> Option<&[usize]> {
+        self.near[face].iter().find(|(body, _)| *body == target).map(|(_, list)| &list[..])
+    }
+
+    /// Near curves of a body that a probe may touch, empty when it is far from all.
+    pub fn near(&self, probe: &Probe) -> &[usize] {
+        self.near_of(probe.slave.0, probe.target).unwrap_or(&[])
+    }
+
+    /// True when some pair is near.
+    pub fn any(&self) -> bool {
+        self.any
+    }
+
+    /// Looks for near pairs if the last ones may be out of date within the next step of `dt` (s) from `q` at velocity `v`.
+    /// Returns into how many parts the step must be cut so that nothing passes through anything.
+    pub fn prepare(&mut self, bodies: &Bodies<'_>, q: &[f64], v: &[f64], dt: f64) -> usize {
+        let stride = self.fastest(bodies, v) * dt;
+        if self.margin >= 0.0 && self.moved(q) + stride <= SPENT * self.margin {
+            return 1;
+        }
+        let start = std::time::Instant::now();
+        self.build(bodies, q, (FAR * self.height).max(FAR * stride));
+        let mut parts = 1;
+        if self.any {
+            self.build(bodies, q, NEAR * self.height);
+            parts = (stride / (STRIDE * self.height)).ceil().clamp(1.0, 1e9) as usize;
+        }
+        self.counts.seconds += start.elapsed().as_secs_f64();
+        parts
+    }
+
+    /// Speed of the fastest surface point, against the mean of all bodies, m/s.
+    fn fastest(&self, bodies: &Bodies<'_>, v: &[f64]) -> f64 {
+        let step = 2 * bodies.components();
+        let nodes = (v.len() / step).max(1) as f64;
+        let mean = |c: usize| v.iter().skip(c).step_by(step).sum::<f64>() / nodes;
+        let mean = [mean(0), mean(1)];
+        self.largest(bodies, |at, c| v[at + c] - if c < 2 { mean[c] } else { 0.0 })
+    }
+
+    fn largest(&self, bodies: &Bodies<'_>, of: impl Fn(usize, usize) -> f64) -> f64 {
+        let mut largest = 0.0_f64;
+        for (index, body) in bodies.scene.bodies.iter().enumerate() {
+            for node in 0..body.nodes() {
+                let at = bodies.node(index, node);
+                let axis = of(at, 0).hypot(of(at, 1));
+                let turn = of(at, 2).hypot(of(at, 3)) * body.height / 2.0;
+                largest = largest.max(axis + turn);
+            }
+        }
+        largest
+    }
+
+    /// How far a surface has moved since the pairs were found, m.
+    fn moved(&self, q: &[f64]) -> f64 {
+        let mut largest = 0.0_f64;
+        for (now, then) in q.chunks_exact(4).zip(self.built.chunks_exact(4)) {
+            let axis = (now[0] - then[0]).hypot(now[1] - then[1]);
+            let turn = (now[2] - then[2]).hypot(now[3] - then[3]);
+            largest = largest.max(axis + turn * self.largest_half_height());
+        }
+        largest
+    }
+
+    fn largest_half_height(&self) -> f64 {
+        self.faces.iter().flat_map(|f| f.curve).map(|p| p.height.abs()).fold(0.0, f64::max)
+    }
+
+    fn build(&mut self, bodies: &Bodies<'_>, q: &[f64], margin: f64) {
+        let scene = bodies.scene;
+        let hulls: Vec<[Vector3<f64>; 3]> = self.faces.iter().map(|f| bezier(f.points(q))).collect();
+        let boxes: Vec<Aabb> = hulls.iter().map(|points| Aabb::of_points(points)).collect();
+        let skip = |i: usize, j: usize| {
+            let (a, b) = (&self.faces[i], &self.faces[j]);
+            a.body == b.body
+                && !(scene.contact.with_itself && apart(a, b) >= NEIGHBOURS * scene.bodies[a.body].height)
+        };
+        let pairs = near_pairs(&boxes, margin, skip);
+        self.counts.searches += 1;
+        self.counts.broad = pairs.len();
+        self.near = vec![Vec::new(); self.faces.len()];
+        (self.counts.oriented, self.counts.narrow) = (0, 0);
+        let oriented: Vec<OrientedBox> =
+            hulls.iter().map(|points| OrientedBox::along_chord(points)).collect();
+        for (i, j) in pairs {
+            if oriented[i].grown(margin).separated(&oriented[j]) {
+                continue;
+            }
+            self.counts.oriented += 1;
+            // the chord of the flatter curve against the box of the other, swollen by what the curve is away from its chord
+            let sag = (hulls[i][1] - (hulls[i][0] + hulls[i][2]) / 2.0).norm();
+            let polygon = outline(&oriented[j].grown(margin + sag));
+            if clip(hulls[i][0], hulls[i][2], &polygon).is_none() {
+                continue;
+            }
+            self.counts.narrow += 1;
+            for (from, to) in [(i, j), (j, i)] {
+                let target = self.faces[to].body;
+                match self.near[from].iter_mut().find(|(body, _)| *body == target) {
+                    Some((_, list)) => list.push(to),
+                    None => self.near[from].push((target, vec![to])),
+                }
+            }
+        }
+        self.any = self.counts.narrow > 0;
+        self.margin = margin;
+        self.built = q.to_vec();
+    }
+
+    /// Gap of a probe in the state `q`; `None` when it is idle or nothing that counts is near.
+    pub fn gap(&self, bodies: &Bodies<'_>, probe: &Probe, q: &[f64]) -> Option<Hit> {
+        let near = self.near(probe);
+        if near.is_empty() || probe.idle {
+            return None;
+        }
+        self.gap_at(bodies, probe.slave, probe.target, near, q)
+    }
+
+    /// A probe's hit as a spring.
+    pub fn spring(&self, probe: &Probe, hit: &Hit) -> Spring {
+        let (slave, master) = (&self.faces[probe.slave.0], &self.faces[hit.face]);
+        Spring {
+            weight: probe.weight,
+            bodies: (slave.body, master.body),
+            positions: [slave.position(probe.slave.1), master.position(hit.zeta)],
+            line: probe.kind != Kind::Corner,
+            gap: differentiable(&self.faces, probe.slave, hit),
+        }
+    }
+
+    /// All springs with a gap below `limit` (m) in the state `q`.
+    ///
+    /// Each with the index of its probe.
+    pub fn springs(&self, bodies: &Bodies<'_>, q: &[f64], limit: f64) -> Vec<(usize, Spring)> {
+        if !self.any {
+            return Vec::new();
+        }
+        let found = self.probes.iter().enumerate().filter_map(|(k, probe)| {
+            let hit = self.gap(bodies, probe, q)?;
+            (hit.gap <= limit && !hit.at_corner).then(|| (k, self.spring(probe, &hit)))
+        });
+        found.collect()
+    }
+
+    fn gap_at(
+        &self,
+        bodies: &Bodies<'_>,
+        slave: (usize, f64),
+        target: usize,
+        near: &[usize],
+        q: &[f64],
+    ) -> Option<Hit> {
+        let face = &self.faces[slave.0];
+        let points = face.points(q);
+        let depth = LAYER * bodies.scene.bodies[target].height;
+        let mut reach = Reach { normal: Some(normal(&points, slave.1)), depth };
+        let next = &self.faces[face.next];
+        if slave.1 == 1.0 && face.corner(next) {
+            // a corner stands between two normals; of another body it may pass through any curve
+            if face.body != target {
+                reach = Reach::ANY;
+            } else {
+                reach.normal = Some(normal(&points, 1.0) + normal(&next.points(q), -1.0));
+            }
+        }
+        gap(&self.faces, near, q, &on_curve(&points, slave.1), reach)
+    }
+
+    /// Gap of any point of a curve to any near curve of a body.
+    fn gap_to_any(&self, slave: (usize, f64), near: &[usize], q: &[f64]) -> Option<Hit> {
+        gap(&self.faces, near, q, &on_curve(&self.faces[slave.0].points(q), slave.1), Reach::ANY)
+    }
+
+    /// Decides for every corner that is apart whether it is a contact of its own: when both its faces stand at more than the
+    /// angle of the settings to the surface it is near.
+    pub fn choose_corners(&mut self, bodies: &Bodies<'_>, q: &[f64]) {
+        if !self.any {
+            return;
+        }
+        let scene = bodies.scene;
+        let limit = scene.contact.corner_angle.sin();
+        let at_nodes = at_nodes(scene);
+        for k in 0..self.probes.len() {
+            let probe = self.probes[k];
+            let face = &self.faces[probe.slave.0];
+            // where nodes carry the line, the corners of the side that integrates are nodes of it
+            if probe.kind != Kind::Corner
+                || (at_nodes && slave_of(scene, face.body, probe.target) == face.body)
+            {
+                continue;
+            }
+            let hit = self.gap_at(bodies, probe.slave, probe.target, self.near(&probe), q);
+            let Some(hit) = hit.filter(|hit| hit.gap >= 0.0) else { continue };
+            let next = &self.faces[face.next];
+            let normals = [normal(&face.points(q), 1.0), normal(&next.points(q), -1.0)];
+            self.probes[k].idle =
+                normals.iter().any(|n| (n.x * hit.normal.y - n.y * hit.normal.x).abs() <= limit);
+        }
+    }
+
+    /// The deepest overlap in the state `q`: the two bodies and the gap, m.
+    pub fn overlap(&self, bodies: &Bodies<'_>, q: &[f64]) -> Option<(usize, usize, f64)> {
+        let mut deepest: Option<(usize, usize, f64)> = None;
+        for (index, face) in self.faces.iter().enumerate() {
+            for (target, near) in &self.near[index] {
+                for k in 0..OVERLAP_POINTS {
+                    let zeta = 2.0 * k as f64 / (OVERLAP_POINTS - 1) as f64 - 1.0;
+                    let hit = if *target == face.body {
+                        self.gap_at(bodies, (index, zeta), *target, near, q)
+                    } else {
+                        self.gap_to_any((index, zeta), near, q)
+                    };
+                    let Some(hit) = hit else { continue };
+                    if !hit.at_corner && deepest.is_none_or(|(_, _, g)| hit.gap < g) {
+                        deepest = Some((face.body.min(*target), face.body.max(*target), hit.gap));
+                    }
+                }
+            }
+        }
+        deepest
+    }
+
+    /// Smallest gap between two bodies in the state `q`, whatever it is, m: nodes of either against the curves of the other.
+    pub fn distance(&self, bodies: &Bodies<'_>, pair: (usize, usize), q: &[f64]) -> Option<f64> {
+        let of = |body: usize| (0..self.faces.len()).filter(move |&f| self.faces[f].body == body);
+        let boxes: Vec<Option<Aabb>> = (0..self.faces.len())
+            .map(|f| {
+                (pair.0 == self.faces[f].body || pair.1 == self.faces[f].body)
+                    .then(|| Aabb::of_points(&bezier(self.faces[f].points(q))))
+            })
+            .collect();
+        let mut smallest: Option<f64> = None;
+        for (slave, master) in [pair, (pair.1, pair.0)] {
+            for f in of(slave) {
+                let face = &self.faces[f];
+                let points = face.points(q);
+                for zeta in [-1.0, 0.0] {
+                    let x = on_curve(&points, zeta);
+                    let limit = smallest.unwrap_or(f64::INFINITY);
+                    let skip = NEIGHBOURS * bodies.scene.bodies[slave].height;
+                    let list: Vec<usize> = of(master)
+                        .filter(|&m| boxes[m].as_ref().is_some_and(|b| distance_to(b, &x) <= limit.abs()))
+                        .filter(|&m| slave != master || apart(face, &self.faces[m]) >= skip)
+                        .collect();
+                    let hit = if slave == master {
+                        self.gap_at(bodies, (f, zeta), master, &list, q)
+                    } else {
+                        self.gap_to_any((f, zeta), &list, q)
+                    };
+                    let Some(hit) = hit else { continue };
+                    if smallest.is_none_or(|s| hit.gap < s) {
+                        smallest = Some(hit.gap);
+                    }
+                }
+            }
+            if slave == master {
+                break;
+            }
+        }
+        smallest
+    }
+}
+
+/// Corners of an oriented box in the plane, counter-clockwise.
+fn outline(b: &OrientedBox) -> [Vector3<f64>; 4] {
+    // the box of points in the plane has one axis across it
+    let across = (0..3).find(|&k| b.axes[k].z.abs() > 0.5).unwrap_or(2);
+    let [i, j] = [(across + 1) % 3, (across + 2) % 3];
+    let (mut u, v) = (b.axes[i] * b.half[i], b.axes[j] * b.half[j]);
+    if u.x * v.y - u.y * v.x < 0.0 {
+        u = -u;
+    }
+    [b.centre - u - v, b.centre + u - v, b.centre + u + v, b.centre - u + v]
+}
+
+/// Distance of a point from a box, zero inside.
+fn distance_to(b: &Aabb, x: &Vector3<f64>) -> f64 {
+    (b.low - x).sup(&(x - b.high)).sup(&Vector3::zeros()).norm()
+}
+
+/// Whether contact is enforced at nodes instead of along lines.
+fn at_nodes(scene: &Scene) -> bool {
+    !matches!(scene.contact.method, Enforcement::Penalty | Enforcement::None)
+}
+
+fn node_probe(face: usize, zeta: f64, target: usize) -> Probe {
+    Probe { slave: (face, zeta), target, weight: 0.0, kind: Kind::Node, idle: false }
+}
+
+/// Distance of two curves along the axis of their body, m.
+fn apart(a: &Face, b: &Face) -> f64 {
+    let [low_a, high_a] = [a.along[0].min(a.along[1]), a.along[0].max(a.along[1])];
+    let [low_b, high_b] = [b.along[0].min(b.along[1]), b.along[0].max(b.along[1])];
+    (low_a - high_b).max(low_b - high_a).max(0.0)
+}

@@ -1,0 +1,99 @@
+//! Sparse systems without symmetry: matrices summed from entries, and their LU factorisation.
+
+use crate::error::{Error, Result};
+use faer::Mat;
+use faer::prelude::Solve;
+use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
+use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat};
+
+/// Entries `(row, column, value)` of a square matrix, in any order; equal places are summed.
+#[derive(Debug, Clone, Default)]
+pub struct Entries {
+    places: Vec<Pair<usize, usize>>,
+    values: Vec<f64>,
+}
+
+impl Entries {
+    /// Forgets all entries.
+    pub fn clear(&mut self) {
+        self.places.clear();
+        self.values.clear();
+    }
+
+    /// Adds a value.
+    pub fn add(&mut self, row: usize, column: usize, value: f64) {
+        self.places.push(Pair::new(row, column));
+        self.values.push(value);
+    }
+
+    /// `y = A x`.
+    pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        for (place, value) in self.places.iter().zip(&self.values) {
+            y[place.row] += value * x[place.col];
+        }
+    }
+}
+
+/// What depends on the places of the entries alone.
+struct Pattern {
+    places: Vec<Pair<usize, usize>>,
+    symbolic: SymbolicSparseColMat<usize>,
+    order: Argsort<usize>,
+    lu: SymbolicLu<usize>,
+}
+
+/// Factorises matrices one after the other; as long as their places are the same, ordering and fill are found once.
+#[derive(Default)]
+pub struct Solver {
+    pattern: Option<Pattern>,
+    /// Factorisations done.
+    pub factorisations: usize,
+}
+
+fn failed(tried: String) -> Error {
+    Error::analysis(
+        "a system of equations could not be solved",
+        tried,
+        "check that supports or contact hold every body; in a motion take a smaller contact.step",
+    )
+}
+
+impl Solver {
+    /// Solves `A x = b` in place; `n` unknowns.
+    ///
+    /// # Errors
+    /// A singular matrix or values that are not finite.
+    pub fn solve(&mut self, n: usize, a: &Entries, b: &mut [f64]) -> Result<()> {
+        if n == 0 {
+            return Ok(());
+        }
+        let pattern = match self.pattern.take() {
+            Some(pattern) if pattern.places == a.places && pattern.symbolic.nrows() == n => pattern,
+            _ => Pattern::new(n, a)?,
+        };
+        let pattern = self.pattern.insert(pattern);
+        let matrix = SparseColMat::new_from_argsort(pattern.symbolic.clone(), &pattern.order, &a.values)
+            .map_err(|e| failed(format!("sum of {} entries: {e:?}", a.values.len())))?;
+        let lu = Lu::try_new_with_symbolic(pattern.lu.clone(), matrix.as_ref())
+            .map_err(|e| failed(format!("factorisation of {n} unknowns: {e:?}")))?;
+        self.factorisations += 1;
+        let mut x = Mat::from_fn(n, 1, |i, _| b[i]);
+        lu.solve_in_place(&mut x);
+        if x.col(0).iter().any(|v| !v.is_finite()) {
+            return Err(failed(format!("{n} unknowns: the matrix is singular")));
+        }
+        b.iter_mut().zip(x.col(0).iter()).for_each(|(b, x)| *b = *x);
+        Ok(())
+    }
+}
+
+impl Pattern {
+    fn new(n: usize, a: &Entries) -> Result<Self> {
+        let (symbolic, order) = SymbolicSparseColMat::try_new_from_indices(n, n, &a.places)
+            .map_err(|e| failed(format!("pattern of {n} unknowns: {e:?}")))?;
+        let lu = SymbolicLu::try_new(symbolic.as_ref())
+            .map_err(|e| failed(format!("ordering of {n} unknowns: {e:?}")))?;
+        Ok(Self { places: a.places.clone(), symbolic, order, lu })
+    }
+}

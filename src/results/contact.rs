@@ -1,0 +1,183 @@
+//! Results of `rotor contact`.
+
+use serde::Serialize;
+
+/// Results of `rotor contact`: an equilibrium or a motion of beams in contact.
+#[derive(Debug, Clone, Serialize)]
+pub struct Contact {
+    /// "penalty", "lcp", "lcp-single", "active-set" or "none".
+    pub method: &'static str,
+    /// Of a motion "energy-consistent" or "semi-implicit-euler"; null in equilibrium.
+    pub integrator: Option<&'static str>,
+    /// Pressure per penetration along lines.
+    pub penalty_n_m3: f64,
+    /// Whether the whole load or the whole time was reached.
+    pub converged: bool,
+    /// Time reached; null in equilibrium.
+    pub time_s: Option<f64>,
+    /// Share of the loads reached; null in motion.
+    pub load_factor: Option<f64>,
+    /// The bodies in their last state.
+    pub bodies: Vec<BodyState>,
+    /// Contact between bodies in the last state.
+    pub pairs: Vec<PairState>,
+    /// Contacts one after the other (of a motion).
+    pub events: Vec<ContactEvent>,
+    /// Largest penetration of the run.
+    pub largest_penetration_m: f64,
+    /// Change of the total energy less the work of the loads, largest over the run, over the largest kinetic energy.
+    pub energy_error: Option<f64>,
+    /// The same at the end, with its sign: negative is a loss.
+    pub energy_change: Option<f64>,
+    /// Change of the momentum less the impulse of loads and supports, of scenes that nothing holds, over the largest sum of
+    /// the bodies' momenta.
+    pub momentum_residual: Option<f64>,
+    /// The same of the angular momentum about the origin.
+    pub angular_momentum_residual: Option<f64>,
+    /// How the solvers went.
+    pub solver: ContactSolver,
+    /// A motion over time.
+    pub history: Option<ContactHistory>,
+    /// Shapes for drawing.
+    #[serde(skip)]
+    pub snapshots: Vec<Snapshot>,
+    /// Where the time went; differs from run to run, so it is no part of the report.
+    #[serde(skip)]
+    pub cost: ContactCost,
+}
+
+/// A body in its last state.
+#[derive(Debug, Clone, Serialize)]
+pub struct BodyState {
+    /// Name.
+    pub name: String,
+    /// Element.
+    pub element: String,
+    /// Number of elements.
+    pub elements: usize,
+    /// Place of the axis at its start.
+    pub start_m: [f64; 3],
+    /// Displacement there.
+    pub start_displacement_m: [f64; 3],
+    /// Place of the axis at its end.
+    pub end_m: [f64; 3],
+    /// Displacement there.
+    pub end_displacement_m: [f64; 3],
+}
+
+/// Contact between two bodies, or of a body with itself, in one state.
+#[derive(Debug, Clone, Serialize)]
+pub struct PairState {
+    /// Names.
+    pub bodies: [String; 2],
+    /// "line", "point", "line and point" or "none".
+    pub kind: &'static str,
+    /// Probes that are in contact.
+    pub points: usize,
+    /// Smallest gap: at nodes of either boundary, and wherever contact is enforced.
+    pub gap_m: Option<f64>,
+    /// Largest penetration where contact is enforced.
+    pub penetration_m: f64,
+    /// Resultant force on the first body.
+    pub force_n: [f64; 3],
+    /// Angle between the axes where they are nearest (spatial bodies).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle_deg: Option<f64>,
+}
+
+/// A contact from its beginning to its end.
+#[derive(Debug, Clone, Serialize)]
+pub struct ContactEvent {
+    /// Names.
+    pub bodies: [String; 2],
+    /// "line", "point" or "line and point".
+    pub kind: &'static str,
+    /// Beginning: when the first gap closes, interpolated within its step.
+    pub from_s: f64,
+    /// End: when the last gap opens; null when it lasts.
+    pub until_s: Option<f64>,
+    /// Place of the first contact along either axis.
+    pub positions_m: [f64; 2],
+    /// Largest penetration.
+    pub penetration_m: f64,
+    /// Largest resultant force.
+    pub force_n: f64,
+    /// Impulse on the first body.
+    pub impulse_n_s: [f64; 2],
+}
+
+/// How the solvers of a contact analysis went.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct ContactSolver {
+    /// Steps in time or load.
+    pub steps: usize,
+    /// Steps that were cut, into smaller ones.
+    pub cut: usize,
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Largest number of them in a step.
+    pub most_iterations: usize,
+    /// Complementarity problems solved.
+    pub complementarity_problems: usize,
+    /// Contacts in the largest of them.
+    pub largest_problem: usize,
+    /// Broad phases.
+    pub searches: usize,
+    /// Gaps measured.
+    pub gaps: usize,
+}
+
+/// A motion over time; one row per instant.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct ContactHistory {
+    /// Time.
+    pub time_s: Vec<f64>,
+    /// Pairs of bodies of the next two.
+    pub pairs: Vec<[String; 2]>,
+    /// Smallest gap of each pair.
+    pub gap_m: Vec<Vec<Option<f64>>>,
+    /// Size of the resultant force of each pair.
+    pub force_n: Vec<Vec<f64>>,
+    /// Kinetic energy.
+    pub kinetic_j: Vec<f64>,
+    /// Strain energy.
+    pub strain_j: Vec<f64>,
+    /// Energy in penalty springs.
+    pub contact_j: Vec<f64>,
+    /// Potential of gravity, zero at the start.
+    pub gravity_j: Vec<f64>,
+    /// Work that the loads have done.
+    pub work_j: Vec<f64>,
+    /// Sum of the energies less the work.
+    pub total_j: Vec<f64>,
+    /// Ends of the axes: `[body][time]` of `[start x, start y, end x, end y]`.
+    pub ends_m: Vec<Vec<[f64; 4]>>,
+    /// Mean velocity (momentum over mass) of each body.
+    pub velocity_m_s: Vec<Vec<[f64; 2]>>,
+}
+
+/// The scene at one instant, for drawing.
+#[derive(Debug, Clone, Default)]
+pub struct Snapshot {
+    /// What instant.
+    pub label: String,
+    /// Closed outlines of the bodies, m.
+    pub outlines: Vec<Vec<[f64; 2]>>,
+}
+
+/// Seconds by phase.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub struct ContactCost {
+    /// Tree of boxes, oriented boxes, clipping.
+    pub search_s: f64,
+    /// Projections: gaps and their derivatives.
+    pub gaps_s: f64,
+    /// Internal forces and their tangents.
+    pub elements_s: f64,
+    /// Systems of equations.
+    pub solve_s: f64,
+    /// Complementarity problems.
+    pub complementarity_s: f64,
+    /// All of the analysis.
+    pub total_s: f64,
+}
