@@ -4,6 +4,14 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --release
 for case in cases/*.json; do
+    # of scenes in contact the equilibria are kept; a motion repeats to what impacts make of rounding errors
+    if grep -q '"contact": {' "$case"; then
+        if ! grep -q '"until"' "$case"; then
+            target/release/rotor contact "$case" --quiet
+            rm -f "reports/$(basename "$case" .json)/contact-cost.svg"
+        fi
+        continue
+    fi
     target/release/rotor check "$case" --quiet
     target/release/rotor modes "$case" --quiet
     if grep -q '"campbell": {' "$case"; then

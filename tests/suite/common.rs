@@ -5,13 +5,27 @@ use rotor::model::Model;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
-/// Every case of the repository.
+/// Every case of the repository that has a shaft.
 pub fn case_files() -> Vec<PathBuf> {
+    files(false)
+}
+
+/// Every contact scene of the repository.
+pub fn scene_files() -> Vec<PathBuf> {
+    files(true)
+}
+
+fn files(scenes: bool) -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases");
-    let mut files: Vec<PathBuf> =
-        std::fs::read_dir(folder).expect("cases").map(|e| e.expect("entry").path()).collect();
+    let is_scene =
+        |path: &PathBuf| Case::load(path, &[]).unwrap_or_else(|e| panic!("{e}")).case.contact.is_some();
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
+        .expect("cases")
+        .map(|e| e.expect("entry").path())
+        .filter(|path| is_scene(path) == scenes)
+        .collect();
     files.sort();
-    assert!(files.len() >= 8);
+    assert!(files.len() >= 7);
     files
 }
 

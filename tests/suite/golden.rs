@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::path::Path;
 
 /// Rounding errors, and what the path of an iteration decides: no report need repeat them.
-const NOISE: [&str; 12] = [
+const NOISE: [&str; 13] = [
     "relative_residual",
     "crossing_difference",
     "measured_error",
@@ -19,6 +19,7 @@ const NOISE: [&str; 12] = [
     "drive_torque_N_m",
     "reactions_N",
     "interpolation_error",
+    "solver",
 ];
 
 /// Largest number of a list, by size.
@@ -105,4 +106,28 @@ fn reports_are_as_kept() {
         }
     }
     assert!(compared >= 20);
+}
+
+/// Of contact scenes the equilibria are kept; a motion repeats to what impacts make of rounding errors.
+#[test]
+fn reports_of_scenes_are_as_kept() {
+    let mut compared = 0;
+    for path in crate::common::scene_files() {
+        let stem = path.file_stem().expect("name").to_string_lossy().into_owned();
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports").join(&stem);
+        let loaded = Case::load(&path, &[]).expect("case");
+        let file = folder.join("contact.json");
+        let wanted = loaded.case.contact.as_ref().is_some_and(|c| c.until.is_none());
+        assert_eq!(file.exists(), wanted, "{} (run reports/remake.sh)", file.display());
+        if !wanted {
+            continue;
+        }
+        let kept: Value =
+            serde_json::from_str(&std::fs::read_to_string(&file).expect("report")).expect("JSON");
+        let finished =
+            run(&loaded, Analysis::Contact, true, &|_| (), &|_, _| true).unwrap_or_else(|e| panic!("{e}"));
+        compare(&stem, &finished.json, &kept, 1e-6, 1e-9);
+        compared += 1;
+    }
+    assert!(compared >= 2);
 }

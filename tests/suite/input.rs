@@ -497,7 +497,7 @@ fn the_schema_knows_the_keys_of_the_nonlinear_analyses() {
 #[test]
 fn the_schema_knows_every_key_of_the_cases() {
     let schema = rotor::case::schema().to_string();
-    for path in crate::common::case_files() {
+    for path in crate::common::case_files().into_iter().chain(crate::common::scene_files()) {
         let loaded = Case::load(&path, &[]).unwrap();
         for key in loaded.value.as_object().unwrap().keys() {
             assert!(schema.contains(&format!("\"{key}\"")), "{key}");

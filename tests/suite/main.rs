@@ -4,6 +4,7 @@ mod analytical;
 mod attachments;
 mod cli;
 mod common;
+mod contact;
 mod convergence;
 mod convergence_figure;
 mod detect;

@@ -1,7 +1,7 @@
 //! Published and independently computed values. Sources and tolerances stand in the cases' `expected`, and
 //! here beside the numbers that are no case of their own.
 
-use crate::common::{case, case_files, criticals_rpm, of_kind, shaft, with};
+use crate::common::{case, case_files, criticals_rpm, of_kind, scene_files, shaft, with};
 use rotor::case::Case;
 use rotor::results::ModeKind;
 use rotor::validate::validate;
@@ -11,7 +11,7 @@ use serde_json::json;
 #[test]
 fn every_expected_value_of_every_case() {
     let mut compared = 0;
-    for path in case_files() {
+    for path in case_files().into_iter().chain(scene_files()) {
         let loaded = Case::load(&path, &[]).expect("case");
         let comparisons = validate(&loaded).unwrap_or_else(|e| panic!("{e}"));
         assert!(!comparisons.is_empty(), "{} expects nothing", path.display());
