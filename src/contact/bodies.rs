@@ -273,17 +273,13 @@ impl<'a> Bodies<'a> {
     }
 
     fn mass_entries(&self, factor: f64, add: &mut dyn FnMut(usize, usize, f64)) {
-        for part in &self.parts {
-            let Kernel::Planar(element) = &part.kernel else { continue };
-            for e in 0..part.body.elements {
-                let at = part.first + 2 * e * planar::PER_NODE;
-                for (i, row) in element.mass().iter().enumerate() {
-                    for (j, pair) in row.iter().enumerate() {
-                        for c in 0..planar::PER_NODE {
-                            let places = [i, j].map(|n| self.unknown[at + planar::PER_NODE * n + c]);
-                            if let [Some(row), Some(column)] = places {
-                                add(row, column, factor * pair[c / 2]);
-                            }
+        for (element, at) in self.planar_elements() {
+            for (i, row) in element.mass().iter().enumerate() {
+                for (j, pair) in row.iter().enumerate() {
+                    for c in 0..planar::PER_NODE {
+                        let places = [i, j].map(|n| self.unknown[at + planar::PER_NODE * n + c]);
+                        if let [Some(row), Some(column)] = places {
+                            add(row, column, factor * pair[c / 2]);
                         }
                     }
                 }
@@ -353,32 +349,34 @@ impl<'a> Bodies<'a> {
         }
     }
 
-    /// Force of planar bodies whose work from `q0` to `q1` is the change of the strain energy, and with `entries` its derivative
-    /// by `q1`; returns the strain energy at `q1`, J.
-    pub fn average_force(
-        &self,
-        q0: &[f64],
-        q1: &[f64],
-        force: &mut [f64],
-        mut entries: Option<&mut Entries>,
-    ) -> f64 {
+    /// Strain energy of planar bodies, J.
+    pub fn strain_energy(&self, q: &[f64]) -> f64 {
+        self.planar_elements().map(|(element, at)| element.energy(&q[at..at + planar::SIZE])).sum()
+    }
+
+    /// Elements of planar bodies with their first coordinates.
+    fn planar_elements(&self) -> impl Iterator<Item = (&PlanarElement, usize)> {
+        self.parts.iter().flat_map(|part| {
+            let element = match &part.kernel {
+                Kernel::Planar(element) => Some(&**element),
+                Kernel::Spatial(..) => None,
+            };
+            let places = (0..part.body.elements).map(|e| part.first + 2 * e * planar::PER_NODE);
+            element.into_iter().flat_map(move |element| places.clone().map(move |at| (element, at)))
+        })
+    }
+
+    /// Force of planar bodies whose work from `q0` to `q1` is the change of the strain energy; its derivative by `q1` is added
+    /// to the entries.
+    pub fn average_force(&self, q0: &[f64], q1: &[f64], force: &mut [f64], entries: &mut Entries) {
         force.fill(0.0);
-        let mut energy = 0.0;
         let (mut f, mut k) = ([0.0; planar::SIZE], [[0.0; planar::SIZE]; planar::SIZE]);
-        for part in &self.parts {
-            let Kernel::Planar(element) = &part.kernel else { continue };
-            for e in 0..part.body.elements {
-                let at = part.first + 2 * e * planar::PER_NODE;
-                let range = at..at + planar::SIZE;
-                let tangent = entries.is_some().then_some(&mut k);
-                energy += element.average_force(&q0[range.clone()], &q1[range.clone()], &mut f, tangent);
-                force[range].iter_mut().zip(f).for_each(|(t, f)| *t += f);
-                if let Some(entries) = entries.as_deref_mut() {
-                    self.add_square(at, planar::SIZE, &|i, j| k[i][j], entries);
-                }
-            }
+        for (element, at) in self.planar_elements() {
+            let range = at..at + planar::SIZE;
+            element.average_force(&q0[range.clone()], &q1[range.clone()], &mut f, &mut k);
+            force[range].iter_mut().zip(f).for_each(|(t, f)| *t += f);
+            self.add_square(at, planar::SIZE, &|i, j| k[i][j], entries);
         }
-        energy
     }
 
     /// Loads and gravity at the state `q` and time `t` (s), times `factor`, into `force`; with `entries`, `scale` times the

@@ -20,6 +20,11 @@ pub struct Spring {
 }
 
 impl Spring {
+    /// Its bodies, the smaller index first.
+    pub fn pair(&self) -> (usize, usize) {
+        (self.bodies.0.min(self.bodies.1), self.bodies.0.max(self.bodies.1))
+    }
+
     /// Penetration, m, zero when apart.
     pub fn penetration(&self) -> f64 {
         (-self.gap.value).max(0.0)

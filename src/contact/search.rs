@@ -13,6 +13,7 @@ use super::detect::{Aabb, OrientedBox, bezier, clip, near_pairs};
 use super::penalty::Spring;
 use crate::model::scene::{ContactSettings, Enforcement, Scene};
 use nalgebra::Vector3;
+use std::collections::BTreeSet;
 
 /// Gauss points of an integration segment.
 const GAUSS: [(f64, f64); 4] = [
@@ -41,7 +42,7 @@ const OVERLAP_POINTS: usize = 9;
 pub enum Kind {
     /// A Gauss point of a line contact.
     Line,
-    /// A corner: a contact of its own while `Probe::corner` says so.
+    /// A corner.
     Corner,
     /// A node of a side.
     Node,
@@ -58,8 +59,16 @@ pub struct Probe {
     pub weight: f64,
     /// What it stands for.
     pub kind: Kind,
-    /// Whether it is left to the line beside it (corners only).
-    pub idle: bool,
+}
+
+/// What tells one probe from another: curve, parameter (its bits), body that it may penetrate.
+pub type Key = (usize, u64, usize);
+
+impl Probe {
+    /// What tells it from another.
+    pub fn key(&self) -> Key {
+        (self.slave.0, self.slave.1.to_bits(), self.target)
+    }
 }
 
 /// What detection did.
@@ -81,14 +90,18 @@ pub struct Counts {
 pub struct Search {
     /// All curves.
     pub faces: Vec<Face>,
-    /// Probes in the order of their curves.
+    /// Probes of curves that are near something, in the order of the curves.
     pub probes: Vec<Probe>,
+    /// Corners (curve and body) that are left to the line beside them.
+    idle: BTreeSet<(usize, usize)>,
     /// Per curve: near curves by body, those of one body together.
     near: Vec<Vec<(usize, Vec<usize>)>>,
     any: bool,
     margin: f64,
     built: Vec<f64>,
+    /// The smallest height and half the largest, m.
     height: f64,
+    half_height: f64,
     /// What it did.
     pub counts: Counts,
 }
@@ -104,44 +117,37 @@ impl Search {
     pub fn new(bodies: &Bodies<'_>) -> Self {
         let scene = bodies.scene;
         let faces = faces(bodies);
-        let mut search = Self {
+        Self {
             near: vec![Vec::new(); faces.len()],
             faces,
             probes: Vec::new(),
+            idle: BTreeSet::new(),
             any: false,
             margin: -1.0,
             built: Vec::new(),
             height: scene.bodies.iter().map(|b| b.height).fold(f64::INFINITY, f64::min),
+            half_height: scene.bodies.iter().map(|b| b.height / 2.0).fold(0.0, f64::max),
             counts: Counts::default(),
-        };
-        search.probes = search.fixed_probes(scene);
-        search
+        }
     }
 
-    /// Bodies against which curves of a body are watched, with the role of each.
-    fn targets(scene: &Scene, body: usize) -> Vec<usize> {
-        (0..scene.bodies.len()).filter(|&other| other != body || scene.contact.with_itself).collect()
-    }
-
-    /// Probes that do not depend on the state: uncut segments, or nodes, and corners.
-    fn fixed_probes(&self, scene: &Scene) -> Vec<Probe> {
-        let settings = &scene.contact;
+    /// Probes of all curves that are near something; their segments are cut at the places that `cuts` gives.
+    fn make_probes(&self, scene: &Scene, cuts: impl Fn(usize, usize) -> Vec<f64>) -> Vec<Probe> {
         let at_nodes = at_nodes(scene);
         let mut list = Vec::new();
         for (index, face) in self.faces.iter().enumerate() {
-            for target in Self::targets(scene, face.body) {
+            for &(target, _) in &self.near[index] {
                 let line = face.body == target || slave_of(scene, face.body, target) == face.body;
                 if line && !at_nodes {
-                    self.segments(scene, index, target, &[], &mut list);
+                    self.segments(scene, index, target, &cuts(index, target), &mut list);
                 }
                 if face.corner(&self.faces[face.next]) {
                     let share = if face.body == target { 0.5 } else { 1.0 };
                     list.push(Probe {
                         slave: (index, 1.0),
                         target,
-                        weight: settings.point_penalty[face.body] * share,
+                        weight: scene.contact.point_penalty[face.body] * share,
                         kind: Kind::Corner,
-                        idle: false,
                     });
                 } else if line && at_nodes {
                     list.push(node_probe(index, 1.0, target));
@@ -173,7 +179,6 @@ impl Search {
                     target,
                     weight: per_length * half * w,
                     kind: Kind::Line,
-                    idle: false,
                 });
             }
         }
@@ -185,19 +190,7 @@ impl Search {
         if !scene.contact.cut || scene.contact.method != Enforcement::Penalty {
             return 0.0;
         }
-        let corners: Vec<Probe> = self.probes.iter().copied().filter(|p| p.kind == Kind::Corner).collect();
-        let mut list = Vec::new();
-        for (index, face) in self.faces.iter().enumerate() {
-            for target in Self::targets(scene, face.body) {
-                if face.body != target && slave_of(scene, face.body, target) != face.body {
-                    continue;
-                }
-                let cuts = self.cuts(index, target, q);
-                self.segments(scene, index, target, &cuts, &mut list);
-            }
-        }
-        list.extend(corners);
-        list.sort_by_key(|p| p.slave.0);
+        let list = self.make_probes(scene, |index, target| self.cuts(index, target, q));
         let before = std::mem::replace(&mut self.probes, list);
         if before.len() != self.probes.len() {
             return f64::INFINITY;
@@ -301,8 +294,8 @@ impl Search {
         for (index, body) in bodies.scene.bodies.iter().enumerate() {
             for node in 0..body.nodes() {
                 let at = bodies.node(index, node);
-                let axis = of(at, 0).hypot(of(at, 1));
-                let turn = of(at, 2).hypot(of(at, 3)) * body.height / 2.0;
+                let length = |k: usize| (of(at, k).powi(2) + of(at, k + 1).powi(2)).sqrt();
+                let (axis, turn) = (length(0), length(2) * body.height / 2.0);
                 largest = largest.max(axis + turn);
             }
         }
@@ -312,16 +305,13 @@ impl Search {
     /// How far a surface has moved since the pairs were found, m.
     fn moved(&self, q: &[f64]) -> f64 {
         let mut largest = 0.0_f64;
+        let half = self.half_height;
         for (now, then) in q.chunks_exact(4).zip(self.built.chunks_exact(4)) {
-            let axis = (now[0] - then[0]).hypot(now[1] - then[1]);
-            let turn = (now[2] - then[2]).hypot(now[3] - then[3]);
-            largest = largest.max(axis + turn * self.largest_half_height());
+            let length = |k: usize| ((now[k] - then[k]).powi(2) + (now[k + 1] - then[k + 1]).powi(2)).sqrt();
+            let (axis, turn) = (length(0), length(2));
+            largest = largest.max(axis + turn * half);
         }
         largest
-    }
-
-    fn largest_half_height(&self) -> f64 {
-        self.faces.iter().flat_map(|f| f.curve).map(|p| p.height.abs()).fold(0.0, f64::max)
     }
 
     fn build(&mut self, bodies: &Bodies<'_>, q: &[f64], margin: f64) {
@@ -361,6 +351,7 @@ impl Search {
             }
         }
         self.any = self.counts.narrow > 0;
+        self.probes = self.make_probes(scene, |_, _| Vec::new());
         self.margin = margin;
         self.built = q.to_vec();
     }
@@ -368,7 +359,9 @@ impl Search {
     /// Gap of a probe in the state `q`; `None` when it is idle or nothing that counts is near.
     pub fn gap(&self, bodies: &Bodies<'_>, probe: &Probe, q: &[f64]) -> Option<Hit> {
         let near = self.near(probe);
-        if near.is_empty() || probe.idle {
+        if near.is_empty()
+            || (probe.kind == Kind::Corner && self.idle.contains(&(probe.slave.0, probe.target)))
+        {
             return None;
         }
         self.gap_at(bodies, probe.slave, probe.target, near, q)
@@ -388,14 +381,14 @@ impl Search {
 
     /// All springs with a gap below `limit` (m) in the state `q`.
     ///
-    /// Each with the index of its probe.
-    pub fn springs(&self, bodies: &Bodies<'_>, q: &[f64], limit: f64) -> Vec<(usize, Spring)> {
+    /// Each with the key of its probe.
+    pub fn springs(&self, bodies: &Bodies<'_>, q: &[f64], limit: f64) -> Vec<(Key, Spring)> {
         if !self.any {
             return Vec::new();
         }
-        let found = self.probes.iter().enumerate().filter_map(|(k, probe)| {
+        let found = self.probes.iter().filter_map(|probe| {
             let hit = self.gap(bodies, probe, q)?;
-            (hit.gap <= limit && !hit.at_corner).then(|| (k, self.spring(probe, &hit)))
+            (hit.gap <= limit && !hit.at_corner).then(|| (probe.key(), self.spring(probe, &hit)))
         });
         found.collect()
     }
@@ -451,8 +444,12 @@ impl Search {
             let Some(hit) = hit.filter(|hit| hit.gap >= 0.0) else { continue };
             let next = &self.faces[face.next];
             let normals = [normal(&face.points(q), 1.0), normal(&next.points(q), -1.0)];
-            self.probes[k].idle =
-                normals.iter().any(|n| (n.x * hit.normal.y - n.y * hit.normal.x).abs() <= limit);
+            let corner = (probe.slave.0, probe.target);
+            if normals.iter().any(|n| (n.x * hit.normal.y - n.y * hit.normal.x).abs() <= limit) {
+                self.idle.insert(corner);
+            } else {
+                self.idle.remove(&corner);
+            }
         }
     }
 
@@ -542,7 +539,7 @@ fn at_nodes(scene: &Scene) -> bool {
 }
 
 fn node_probe(face: usize, zeta: f64, target: usize) -> Probe {
-    Probe { slave: (face, zeta), target, weight: 0.0, kind: Kind::Node, idle: false }
+    Probe { slave: (face, zeta), target, weight: 0.0, kind: Kind::Node }
 }
 
 /// Distance of two curves along the axis of their body, m.

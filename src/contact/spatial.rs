@@ -8,7 +8,7 @@ use super::bodies::Bodies;
 use super::detect::{Aabb, OrientedBox, bezier, bezier_cubic, near_pairs};
 use super::gap::{Free, Gap, Point};
 use super::penalty::Spring;
-use super::search::{Counts, slave_of};
+use super::search::{Counts, Key, slave_of};
 use crate::element::basis::{derivative, evaluate, lagrange};
 use crate::element::quadrature::gauss;
 use crate::model::scene::Beam;
@@ -159,7 +159,7 @@ impl Search {
     }
 
     /// All springs with a gap below `limit` (m) in the state `q`, with a number of their own.
-    pub fn springs(&mut self, bodies: &Bodies<'_>, q: &[f64], limit: f64) -> Vec<(usize, Spring)> {
+    pub fn springs(&mut self, bodies: &Bodies<'_>, q: &[f64], limit: f64) -> Vec<(Key, Spring)> {
         let scene = bodies.scene;
         let mut list = Vec::new();
         let mut number = 0;
@@ -182,7 +182,10 @@ impl Search {
                 if gap.value <= limit {
                     let positions = [s.position(s_at), m.position(m_at)];
                     let weight = scene.contact.point_penalty[slave];
-                    list.push((number, Spring { weight, bodies: pair, positions, line: false, gap }));
+                    list.push((
+                        (number, 0, master),
+                        Spring { weight, bodies: pair, positions, line: false, gap },
+                    ));
                 }
                 continue;
             }
@@ -203,7 +206,10 @@ impl Search {
                         };
                         if gap.value <= limit {
                             let positions = [s.position(s_at), m.position(m_at)];
-                            list.push((number, Spring { weight, bodies: pair, positions, line: true, gap }));
+                            list.push((
+                                (number, 0, master),
+                                Spring { weight, bodies: pair, positions, line: true, gap },
+                            ));
                         }
                     }
                 }

@@ -96,6 +96,11 @@ impl PlanarElement {
             + curvature * curvature * (0.5 * self.section.bending)
     }
 
+    /// Strain energy U, J.
+    pub fn energy(&self, q: &[f64]) -> f64 {
+        self.stations.iter().map(|s| s.weight * self.density(s.thickness, &s.quantities(q))).sum()
+    }
+
     /// Internal force `dU/dq` (N on r, N m on b) into `force`; returns the strain energy U, J.
     pub fn internal_force(&self, q: &[f64], force: &mut [f64; SIZE]) -> f64 {
         force.fill(0.0);
@@ -123,49 +128,39 @@ impl PlanarElement {
     /// quantities v, which translations do not change:
     ///
     /// `psi_v(mid) + a S dv`, `a = (psi_1 - psi_0 - psi_v(mid).dv)/(dv.S dv)`, S giving c its length.
-    ///
-    /// Returns the strain energy of the second state, J.
     pub fn average_force(
         &self,
         q0: &[f64],
         q1: &[f64],
         force: &mut [f64; SIZE],
-        tangent: Option<&mut [[f64; SIZE]; SIZE]>,
-    ) -> f64 {
+        tangent: &mut [[f64; SIZE]; SIZE],
+    ) {
         force.fill(0.0);
-        let mut energy = 0.0;
+        *tangent = [[0.0; SIZE]; SIZE];
         let radius = self.section.inertia / self.section.mass;
         let scale = Quantities::from([1.0, 1.0, 1.0, 1.0, radius, radius]);
-        let mut tangent = tangent;
-        if let Some(t) = tangent.as_deref_mut() {
-            *t = [[0.0; SIZE]; SIZE];
-        }
         for s in &self.stations {
             let (v0, v1) = (s.quantities(q0), s.quantities(q1));
             let (middle, change) = ((v0 + v1) / 2.0, v1 - v0);
             let density = |v: &Quantities<f64>| self.density(s.thickness, v);
             let (_, slope, curvature) = hessian(|v| self.density(s.thickness, &v), &middle);
             let (last, slope1) = gradient(|v| self.density(s.thickness, &v), &v1);
-            energy += s.weight * last;
             let scaled = change.component_mul(&scale);
             let size = change.dot(&scaled);
             let defect = last - density(&v0) - slope.dot(&change);
             let moved = size > NO_CHANGE;
             let factor = if moved { defect / size } else { 0.0 };
             s.scatter(&(slope + scaled * factor), force);
-            if let Some(t) = tangent.as_deref_mut() {
-                let mut matrix = curvature * 0.5;
-                if moved {
-                    for k in 0..QUANTITIES {
-                        matrix[(k, k)] += factor * scale[k];
-                    }
-                    let row = slope1 - slope - curvature * change * 0.5 - scaled * (2.0 * factor);
-                    matrix += scaled * row.transpose() / size;
+            let mut matrix = curvature * 0.5;
+            if moved {
+                for k in 0..QUANTITIES {
+                    matrix[(k, k)] += factor * scale[k];
                 }
-                s.scatter_matrix(&matrix, t);
+                let row = slope1 - slope - curvature * change * 0.5 - scaled * (2.0 * factor);
+                matrix += scaled * row.transpose() / size;
             }
+            s.scatter_matrix(&matrix, tangent);
         }
-        energy
     }
 
     /// Mass between the vectors of two nodes: `[on r, on b]`, kg and kg m^2, the same for both components.

@@ -4,6 +4,7 @@ use super::Detector;
 use crate::contact::bodies::Bodies;
 use crate::contact::gap::product;
 use crate::contact::penalty::{self, Spring};
+use crate::contact::search::Key;
 use crate::error::Result;
 use crate::linalg::lu::{Entries, Solver};
 use crate::model::scene::Enforcement;
@@ -51,7 +52,7 @@ pub struct Equilibrium<'a> {
     cost: ContactCost,
     height: f64,
     /// Multipliers of the active probes, N.
-    multipliers: BTreeMap<usize, f64>,
+    multipliers: BTreeMap<Key, f64>,
 }
 
 impl<'a> Equilibrium<'a> {
@@ -118,7 +119,7 @@ impl<'a> Equilibrium<'a> {
         (state, self.detector)
     }
 
-    fn multiplier(&self, probe: usize) -> f64 {
+    fn multiplier(&self, probe: Key) -> f64 {
         self.multipliers.get(&probe).copied().unwrap_or(0.0)
     }
 
@@ -210,7 +211,7 @@ impl<'a> Equilibrium<'a> {
         let components = self.bodies.components();
         let unknown = self.bodies.unknown();
         let scale = self.bodies.scene.contact.point_penalty.iter().copied().fold(0.0, f64::max);
-        let active: Vec<&(usize, Spring)> = list
+        let active: Vec<&(Key, Spring)> = list
             .iter()
             .filter(|(k, s)| self.multiplier(*k) - scale * s.gap.value > -scale * TOUCHING * self.height)
             .collect();
@@ -252,7 +253,7 @@ impl<'a> Equilibrium<'a> {
             let closed = spring.gap.value + product(&spring.gap.gradient(components), &moved);
             settled &= value >= -1e-9 * scale * self.height && closed.abs() <= 1e-9 * self.height;
         }
-        let penetrating = |(k, s): &&(usize, Spring)| {
+        let penetrating = |(k, s): &&(Key, Spring)| {
             s.gap.value < -1e-9 * self.height && !active.iter().any(|(a, _)| a == k)
         };
         settled &= !list.iter().any(|entry| penetrating(&entry));

@@ -7,7 +7,7 @@ mod record;
 use super::Outcome;
 use crate::contact::bodies::{Bodies, assemblies};
 use crate::contact::penalty::Spring;
-use crate::contact::search::{Counts, Search};
+use crate::contact::search::{Counts, Key, Search};
 use crate::contact::spatial;
 use crate::error::Result;
 use crate::model::scene::{Action, Enforcement, Scene};
@@ -76,7 +76,7 @@ impl Detector {
         }
     }
 
-    fn springs(&mut self, bodies: &Bodies<'_>, q: &[f64], limit: f64) -> Vec<(usize, Spring)> {
+    fn springs(&mut self, bodies: &Bodies<'_>, q: &[f64], limit: f64) -> Vec<(Key, Spring)> {
         match self {
             Self::Planar(search) => search.springs(bodies, q, limit),
             Self::Spatial(search) => search.springs(bodies, q, limit),
@@ -285,7 +285,7 @@ fn resting(bodies: &Bodies<'_>, watch: Watch<'_>) -> Result<Outcome<Contact>> {
 fn resting_pairs(bodies: &Bodies<'_>, detector: &Detector, state: &equilibrium::State) -> Vec<PairState> {
     let scene = bodies.scene;
     let one = |(a, b): (usize, usize)| {
-        let own = |s: &Spring| (s.bodies.0.min(s.bodies.1), s.bodies.0.max(s.bodies.1)) == (a, b);
+        let own = |s: &Spring| s.pair() == (a, b);
         let mut pair = PairState {
             bodies: [a, b].map(|i| scene.bodies[i].name.clone()),
             kind: "none",
@@ -309,7 +309,13 @@ fn resting_pairs(bodies: &Bodies<'_>, detector: &Detector, state: &equilibrium::
         }
         pair
     };
-    pairs(scene).into_iter().map(one).collect()
+    let mut list = pairs(scene);
+    for touching in state.springs.iter().map(Spring::pair) {
+        if !list.contains(&touching) {
+            list.push(touching);
+        }
+    }
+    list.into_iter().map(one).collect()
 }
 
 fn body_states(bodies: &Bodies<'_>, q: &[f64]) -> Vec<BodyState> {

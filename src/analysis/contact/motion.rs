@@ -198,7 +198,7 @@ impl<'a> Motion<'a> {
             let middle: Vec<f64> = q0.iter().zip(&q1).map(|(a, b)| (a + b) / 2.0).collect();
             self.entries.clear();
             let start = Instant::now();
-            bodies.average_force(&q0, &q1, &mut force, Some(&mut self.entries));
+            bodies.average_force(&q0, &q1, &mut force, &mut self.entries);
             bodies.loads(&middle, self.t + dt / 2.0, 1.0, &mut load, Some((&mut self.entries, 0.5)));
             self.cost.elements_s += start.elapsed().as_secs_f64();
             let start = Instant::now();
@@ -255,8 +255,10 @@ impl<'a> Motion<'a> {
         let (bodies, n) = (self.bodies, self.bodies.len());
         let middle: Vec<f64> = q0.iter().zip(&q1).map(|(a, b)| (a + b) / 2.0).collect();
         let v1: Vec<f64> = (0..n).map(|k| 2.0 * (q1[k] - q0[k]) / dt - v0[k]).collect();
-        let (mut force, mut load) = (vec![0.0; n], vec![0.0; n]);
-        let strain = bodies.average_force(&q0, &q1, &mut force, None);
+        let start = Instant::now();
+        let strain = bodies.strain_energy(&q1);
+        self.cost.elements_s += start.elapsed().as_secs_f64();
+        let mut load = vec![0.0; n];
         let strokes = self.strokes(before, &q1, &middle);
         let deepest = strokes.iter().map(|s| s.after).fold(0.0, f64::min);
         if deepest < -DEEPEST * self.height {

@@ -9,6 +9,8 @@ use nalgebra::Vector3;
 
 /// Points of a drawn curve.
 const DRAWN: usize = 4;
+/// Bodies of a scene all of whose pairs are followed; of larger ones the pairs that have touched.
+const FOLLOWED: usize = 6;
 /// Share of a step that a time may miss an output by.
 const ROUNDING: f64 = 1e-6;
 
@@ -54,6 +56,11 @@ pub struct Touch {
 }
 
 impl Touch {
+    /// Its bodies, the smaller index first.
+    pub fn pair(&self) -> (usize, usize) {
+        (self.bodies.0.min(self.bodies.1), self.bodies.0.max(self.bodies.1))
+    }
+
     /// Share of a step in which a gap is closed, of its values at both ends.
     pub fn within(before: f64, after: f64) -> [f64; 2] {
         let zero = before / (before - after);
@@ -61,9 +68,12 @@ impl Touch {
     }
 }
 
-/// Pairs of bodies that may touch, the smaller index first.
+/// Pairs of bodies that are followed from the start, the smaller index first: all of a small scene.
 pub fn pairs(scene: &Scene) -> Vec<(usize, usize)> {
     let count = scene.bodies.len();
+    if count > FOLLOWED {
+        return Vec::new();
+    }
     (0..count)
         .flat_map(|a| (a..count).map(move |b| (a, b)))
         .filter(|(a, b)| a != b || scene.contact.with_itself)
@@ -130,32 +140,15 @@ impl<'a> Recorder<'a> {
     /// Nothing yet.
     pub fn new(bodies: &Bodies<'a>, start: Energies) -> Self {
         let scene = bodies.scene;
-        let name = |i: usize| scene.bodies[i].name.clone();
-        let pairs: Vec<Pair> = pairs(scene)
-            .into_iter()
-            .map(|(a, b)| Pair {
-                bodies: (a, b),
-                names: [name(a), name(b)],
-                open: None,
-                kinds: [false; 2],
-                force: Vector3::zeros(),
-                penetration: 0.0,
-                points: 0,
-                opened: 0.0,
-            })
-            .collect();
         let history = ContactHistory {
-            pairs: pairs.iter().map(|p| p.names.clone()).collect(),
-            gap_m: vec![Vec::new(); pairs.len()],
-            force_n: vec![Vec::new(); pairs.len()],
             ends_m: vec![Vec::new(); scene.bodies.len()],
             velocity_m_s: vec![Vec::new(); scene.bodies.len()],
             ..ContactHistory::default()
         };
-        Self {
+        let mut recorder = Self {
             scene,
             masses: (0..scene.bodies.len()).map(|i| bodies.mass_of(i)).collect(),
-            pairs,
+            pairs: Vec::new(),
             events: Vec::new(),
             history,
             snapshots: Vec::new(),
@@ -165,7 +158,28 @@ impl<'a> Recorder<'a> {
             change: [0.0; 3],
             momenta: [0.0; 3],
             largest: [0.0; 2],
-        }
+        };
+        pairs(scene).into_iter().for_each(|pair| recorder.follow(pair));
+        recorder
+    }
+
+    /// Follows a pair from now on.
+    fn follow(&mut self, (a, b): (usize, usize)) {
+        let names = [a, b].map(|i| self.scene.bodies[i].name.clone());
+        let rows = self.history.time_s.len();
+        self.history.pairs.push(names.clone());
+        self.history.gap_m.push(vec![None; rows]);
+        self.history.force_n.push(vec![0.0; rows]);
+        self.pairs.push(Pair {
+            bodies: (a, b),
+            names,
+            open: None,
+            kinds: [false; 2],
+            force: Vector3::zeros(),
+            penetration: 0.0,
+            points: 0,
+            opened: 0.0,
+        });
     }
 
     /// A step of `dt` that ends at `t`, s.
@@ -180,9 +194,14 @@ impl<'a> Recorder<'a> {
         self.momenta[0] = self.momenta[0].max(miss(0).hypot(miss(1)));
         self.momenta[1] =
             self.momenta[1].max((now.angular_momentum - start.angular_momentum - energies.impulse[2]).abs());
+        for touch in touches {
+            if !self.pairs.iter().any(|pair| pair.bodies == touch.pair()) {
+                self.follow(touch.pair());
+            }
+        }
         for pair in &mut self.pairs {
             let (a, b) = pair.bodies;
-            let of_pair = |t: &&Touch| (t.bodies.0.min(t.bodies.1), t.bodies.0.max(t.bodies.1)) == (a, b);
+            let of_pair = |t: &&Touch| t.pair() == (a, b);
             let own: Vec<&Touch> = touches.iter().filter(of_pair).collect();
             pair.force = own.iter().map(|t| if t.bodies.0 == a { t.force } else { -t.force }).sum();
             pair.points = own.iter().filter(|t| t.within[1] == 1.0).count();
