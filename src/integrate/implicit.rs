@@ -108,6 +108,7 @@ pub fn integrate(
             h
         };
         course.resolve(taken, run.now.t, progress)?;
+        dynamics.look_at_stators(run.now.t, [&run.now.z, &run.now.v, &run.now.a], taken);
         let error = run.step(dynamics, taken, settings)?;
         match error {
             Some(error) if error <= 1.0 || run.fixed => {
@@ -520,9 +521,15 @@ impl Newton {
             if iteration == 0 {
                 dynamics.follow_sections();
             }
-            if full {
-                let z = Some(&self.z[..]);
+            let moved = self.matrix.as_ref().is_some_and(|matrix| dynamics.contact_moved(matrix));
+            if full || moved {
+                let z = (full || self.present).then_some(&self.z[..]);
                 self.matrix = Some(dynamics.newton_matrix(stage.t, stage.coefficients, z)?);
+            }
+            if moved {
+                // another contact is another problem: what was learnt of the last one does not hold
+                self.secants.clear();
+                (before, stalls, self.rate) = (f64::INFINITY, 0, 1.0);
             }
             let Some(matrix) = &self.matrix else { return Ok(false) };
             dynamics.correct(matrix, &mut self.change);

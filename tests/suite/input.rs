@@ -363,6 +363,7 @@ fn defaults_of_the_nonlinear_analyses() {
         max_steps: 1_000_000,
         output: 201,
         steady: false,
+        stators: Vec::new(),
     };
     assert_eq!(model.spinup, Some(expected));
     let mut bare = valid();
