@@ -458,6 +458,8 @@ pub struct SpinupSettings {
 pub struct Stator {
     /// Node whose axis point moves in it; an element end.
     pub node: usize,
+    /// Position along the shaft as written, m.
+    pub at: f64,
     /// Radial play of the axis, m.
     pub clearance: f64,
     /// Force per penetration, N/m.

@@ -12,7 +12,7 @@
 
 use crate::model::{Model, Stator};
 use crate::support::{Numbering, axis_rows};
-use nalgebra::{Matrix2, SMatrix, SVector};
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 /// Slip at which friction is 76 % (tanh 1) of full, over the speed of the surface at the drive's largest speed.
 const SLIP: f64 = 0.01;
@@ -125,7 +125,9 @@ impl Law {
         let mut turning = ((by_c * by_c.transpose() - by_s * by_s.transpose()) * (2.0 * s * c)
             + (by_s * by_c.transpose() + by_c * by_s.transpose()) * (s * s - c * c))
             * (self.radius / (d * d));
-        turning.fixed_view_mut::<2, 2>(0, 0).copy_from(&(Matrix2::new(ny * nz, -ny * ny, nz * nz, -ny * nz) / rho));
+        turning
+            .fixed_view_mut::<2, 2>(0, 0)
+            .copy_from(&(Matrix2::new(ny * nz, -ny * ny, nz * nz, -ny * nz) / rho));
         let normal = Vector::from([ny, nz, 0.0, 0.0, 0.0, 0.0]);
         Directions { rho, normal, tangent: Vector::from([-nz, ny, 0.0, 0.0, 0.0, 0.0]) + spin, turning }
     }
@@ -204,25 +206,36 @@ impl Rub {
         self.touching.clear();
     }
 
-    /// Looks at the gaps at the start of a step: no ring is reached before the axis has moved by its gap, and it
-    /// moves at most by twice `|v| tau + |a| tau^2 / 2` in a time tau of up to 16 steps.
+    /// Looks at the gaps at the start of a step: no ring is reached before the axis has moved by its gap, or rho grown by
+    /// it. Within a time tau of up to 16 steps that is at most twice `|v| tau + |a| tau^2 / 2`, v and a being
+    /// velocity and acceleration of the axis or, if this takes longer, `rho'` and `rho''`.
     pub fn look(&mut self, t: f64, h: f64, [position, velocity, acceleration]: [&[f64]; 3]) {
         self.gap_checks += 1;
         let mut ahead = AHEAD * h;
         for ring in &self.rings {
-            let size = |list: &[f64]| {
+            let [u, v, a] = [position, velocity, acceleration].map(|list| {
                 let vector = ring.gather(list);
-                vector[0].hypot(vector[1])
-            };
-            let gap = ring.law.clearance - size(position);
+                Vector2::new(vector[0], vector[1])
+            });
+            let rho = u.norm();
+            let gap = ring.law.clearance - rho;
             if gap < 0.0 && !self.near {
                 self.missed = self.missed.max(-gap);
             }
-            let (v, a) = (SAFETY * size(velocity), SAFETY * size(acceleration));
-            // v tau + a tau^2 / 2 = gap
             let gap = gap.max(0.0);
-            let root = v + (v * v + 2.0 * a * gap).sqrt();
-            ahead = ahead.min(if root > 0.0 { 2.0 * gap / root } else { ahead });
+            // v tau + a tau^2 / 2 = gap
+            let time = |v: f64, a: f64| {
+                let root = v + (v * v + 2.0 * a * gap).sqrt();
+                if root > 0.0 { 2.0 * gap / root } else { f64::INFINITY }
+            };
+            let mut clear = time(SAFETY * v.norm(), SAFETY * a.norm());
+            if rho > 0.0 {
+                let n = u / rho;
+                let growing = n.dot(&v);
+                let around = (v - n * growing).norm_squared() / rho;
+                clear = clear.max(time(SAFETY * growing.abs(), SAFETY * (n.dot(&a) + around).abs()));
+            }
+            ahead = ahead.min(clear);
         }
         self.clear_until = t + ahead;
         if self.is_clear(t, h) { self.stay_clear() } else { self.near = true }
@@ -249,7 +262,8 @@ impl Rub {
 
     /// Energy `k g^2 / 2` of the penetrated rings, J.
     pub fn energy(&self, position: &[f64]) -> f64 {
-        let one = |ring: &Ring| ring.law.stiffness * ring.law.gap(&ring.gather(position)).min(0.0).powi(2) / 2.0;
+        let one =
+            |ring: &Ring| ring.law.stiffness * ring.law.gap(&ring.gather(position)).min(0.0).powi(2) / 2.0;
         self.rings.iter().map(one).sum()
     }
 }

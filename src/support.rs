@@ -314,12 +314,7 @@ fn disk_vectors(model: &Model, numbering: &Numbering, disk: &Disk) -> [Vec<(usiz
     affine_rows(model, numbering, disk.node, disk.hub.acts_on())
 }
 
-fn affine_rows(
-    model: &Model,
-    numbering: &Numbering,
-    node: usize,
-    acts_on: ActsOn,
-) -> [Vec<(usize, f64)>; 3] {
+fn affine_rows(model: &Model, numbering: &Numbering, node: usize, acts_on: ActsOn) -> [Vec<(usize, f64)>; 3] {
     let rows = match Region::new(model, node, acts_on) {
         Some(region) => region.affine(model.reference_length),
         None => [vec![1.0], vec![0.0, 1.0], vec![0.0, 0.0, 1.0]],

@@ -156,13 +156,7 @@ impl Flows {
     fn powers(dynamics: &Dynamics<'_>, t: f64) -> Self {
         let p = &dynamics.powers;
         let drive = p.torque * dynamics.drive.at(t).speed;
-        Self {
-            drive,
-            internal: p.internal,
-            external: p.external,
-            bearings: p.bearings,
-            friction: p.friction,
-        }
+        Self { drive, internal: p.internal, external: p.external, bearings: p.bearings, friction: p.friction }
     }
 
     /// `self + factor * other`.

@@ -4,7 +4,7 @@ use super::Input;
 use crate::case;
 use crate::error::Result;
 use crate::model::mesh::Mesh;
-use crate::model::{Frame, Integrator, Phase, Quadrature, SpinupSettings, Stator, StaticSettings};
+use crate::model::{Frame, Integrator, Phase, Quadrature, SpinupSettings, StaticSettings, Stator};
 use crate::section::Section;
 
 /// Longest simulation, s.
@@ -145,7 +145,7 @@ impl Input<'_> {
                 return self.fault(
                     &at("at"),
                     "no element ends there, and a ring does not change the mesh",
-                    format!("the nearest element end, {end} m; or other numbers of elements"),
+                    format!("the nearest element end, {end:.6e} m; or other numbers of elements"),
                 );
             }
             let here: Vec<Section> = mesh.sections_at(node).map(|k| sections[k]).collect();
@@ -157,6 +157,7 @@ impl Input<'_> {
             self.within(&at("friction"), friction, 0.0, SEIZED)?;
             list.push(Stator {
                 node,
+                at: x,
                 clearance: self.length(&at("clearance"), stator.clearance.0)?,
                 stiffness: self.positive(&at("stiffness"), stator.stiffness.0)?,
                 friction,
