@@ -28,6 +28,7 @@ Examples:
   rotor campbell cases/bauchau.json --set shaft.segments.0.elements=32 --out study/32
   rotor modes cases/table3-tube.json --set modes.count=12
   rotor spinup cases/table8-spin-circle.json
+  rotor spinup cases/rub-ring.json --set spinup.stators.0.friction=0.02
   rotor static cases/table5-cantilever.json --set shaft.segments.0.elements=16
   rotor check cases/jeffcott.json
   rotor tradeoff studies/tradeoff/tradeoff-tube.json --error 1e-3
@@ -53,7 +54,7 @@ enum Command {
     Campbell(RunArguments),
     /// Equilibrium under loads and gravity, with finite displacements
     Static(RunArguments),
-    /// Run up to speed: growth, stresses, orbit, torque and energies over time
+    /// Run up to speed: growth, stresses, orbit, torque, energies and rub in rings over time
     Spinup(RunArguments),
     /// Cost and error over a grid of settings: Pareto front, and the cheapest setting for an error
     Tradeoff(tradeoff::TradeoffArguments),

@@ -17,7 +17,7 @@ use crate::forces::{Forces, ScalarMass, Workspace};
 use crate::linalg::chain::{Chain, Layout, Terms};
 use crate::loads::{dead_loads, weight};
 use crate::model::{Frame, Model, Stator, SupportKind};
-use crate::rub::{Contact, Ring, Rub};
+use crate::rub::{self, Contact, Ring, Rub, Touch};
 use crate::support::{Contribution, displacement_weights, drives};
 use faer::{Mat, MatRef, Scale};
 use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
@@ -444,12 +444,11 @@ impl<'a> Dynamics<'a> {
     /// Rings in contact at the last evaluation and the outward normal there in the coordinates of a Newton matrix:
     /// the unknowns', or for one that follows the sections those of the section.
     fn contact_directions(&self, follows: bool) -> Vec<(usize, Vector3<f64>)> {
-        let touching = self.rub.touching.iter();
-        let direction = |&(index, place, _): &(usize, crate::rub::Vector, _)| {
-            let normal = Vector3::new(0.0, place[0], place[1]).normalize();
-            (index, self.to_matrix(self.rub.rings[index].node, follows) * normal)
+        let direction = |touch: &Touch| {
+            let normal = Vector3::new(0.0, touch.place[0], touch.place[1]).normalize();
+            (touch.ring, self.to_matrix(self.rub.rings[touch.ring].node, follows) * normal)
         };
-        touching.map(direction).collect()
+        self.rub.touching.iter().map(direction).collect()
     }
 
     /// From the frame of evaluation at the last one to the coordinates of a Newton matrix, at a node.
@@ -467,26 +466,24 @@ impl<'a> Dynamics<'a> {
         if self.rub.touching.is_empty() && matrix.contacts.is_empty() {
             return false;
         }
-        let now = self.contact_directions(matrix.follows);
-        let apart = |((i, a), (j, b)): (&(usize, Vector3<f64>), &(usize, Vector3<f64>))| {
-            i != j || (a - b).norm() > TURNED
-        };
-        now.len() != matrix.contacts.len() || now.iter().zip(&matrix.contacts).any(apart)
+        let (now, then) = (self.contact_directions(matrix.follows), &matrix.contacts);
+        let apart = |k: usize| now[k].0 != then[k].0 || (now[k].1 - then[k].1).norm() > TURNED;
+        now.len() != then.len() || (0..now.len()).any(apart)
     }
 
     /// What the rings that touched at the last evaluation add to a Newton matrix.
     fn contact_parts(&self, [c_k, c_v, _]: [f64; 3], speed: f64, follows: bool) -> Vec<Contribution> {
-        let one = |&(index, place, rate): &(usize, crate::rub::Vector, crate::rub::Vector)| {
-            let ring = &self.rub.rings[index];
-            let [by_place, by_rate] = ring.law.tangents(&place, &rate);
+        let one = |touch: &Touch| {
+            let ring = &self.rub.rings[touch.ring];
+            let [by_place, by_rate] = ring.law.tangents(&touch.place, &touch.rate);
             // seen from space the coordinates of a turning node move by Omega e_x x q besides their own rate
             let turns = self.frame == Frame::Rotating || self.nodes[ring.node].turned;
-            let cross = crate::rub::Matrix::from_fn(|i, j| match (i / 2 == j / 2, i % 2, j % 2) {
+            let cross = rub::Matrix::from_fn(|i, j| match (i / 2 == j / 2, i % 2, j % 2) {
                 (true, 0, 1) => -speed,
                 (true, 1, 0) => speed,
                 _ => 0.0,
             });
-            let carried = if turns { by_rate * cross } else { crate::rub::Matrix::zeros() };
+            let carried = if turns { by_rate * cross } else { rub::Matrix::zeros() };
             let plane = -(by_place + carried) * c_k - by_rate * c_v;
             let mut full = SMatrix::<f64, 9, 9>::zeros();
             for (i, j) in (0..6).flat_map(|i| (0..6).map(move |j| (i, j))) {
@@ -534,11 +531,11 @@ impl<'a> Dynamics<'a> {
         let Turn { speed, acceleration, angle } = self.drive.at(t);
         self.counts.factorizations += 1;
         let follows = state.is_none();
-        let rub = self.contact_parts(coefficients, speed, follows);
+        let rings = self.contact_parts(coefficients, speed, follows);
         let l = &self.linear;
         let coriolis = 2.0 * speed * c_v + acceleration * c_k;
         let mut terms = l.terms(&[c_a, c_v, c_k, coriolis, speed * speed * c_k, speed * c_k]);
-        terms.nodal.extend(scaled(1.0, &rub));
+        terms.nodal.extend(scaled(1.0, &rings));
         let factor = match state {
             None => {
                 let elastic = l.elastic.elements.iter().zip(&l.viscosity);

@@ -176,6 +176,17 @@ impl Ring {
     }
 }
 
+/// A ring in contact.
+#[derive(Debug, Clone, Copy)]
+pub struct Touch {
+    /// Which ring.
+    pub ring: usize,
+    /// Place of the shaft in it.
+    pub place: Vector,
+    /// Its rate as seen from space.
+    pub rate: Vector,
+}
+
 /// The rings around a shaft, and when they are worth a look.
 #[derive(Debug, Clone, Default)]
 pub struct Rub {
@@ -189,8 +200,8 @@ pub struct Rub {
     pub contact_evaluations: usize,
     /// Deepest penetration found where no contact had been possible, m.
     pub missed: f64,
-    /// Rings that touched at the last evaluation, with place and rate.
-    pub touching: Vec<(usize, Vector, Vector)>,
+    /// Contacts at the last evaluation.
+    pub touching: Vec<Touch>,
     clear_until: f64,
 }
 
@@ -253,7 +264,7 @@ impl Rub {
             if contact.normal_force > 0.0 {
                 ring.scatter(-1.0, &ring.law.force(&place, &contact), out_of_balance);
                 power -= contact.friction_force * contact.slip;
-                self.touching.push((index, place, rate));
+                self.touching.push(Touch { ring: index, place, rate });
             }
         }
         self.contact_evaluations += usize::from(!self.touching.is_empty());

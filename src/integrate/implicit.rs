@@ -99,7 +99,8 @@ pub fn integrate(
         let stop = course.stop_after(run.now.t);
         // the last two steps before a stop share what is left
         let left = stop - run.now.t;
-        let last = h >= left * (1.0 - 1e-9);
+        // times of many fixed steps add up to within their rounding
+        let last = h >= left * (1.0 - 1e-6);
         let taken = if last {
             left
         } else if settings.step.is_none() && 2.0 * h > left {

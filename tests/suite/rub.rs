@@ -146,8 +146,13 @@ fn an_unbalanced_rotor_rubs_as_the_closed_form_says() {
     for (ring, published) in [(4e4, 1.12181), (4e5, 1.01224)] {
         let exact = steady_radius(ring);
         assert!((exact / d - published).abs() < 1e-5);
-        for (integrator, tolerance) in [("esdirk", 1e-6), ("generalized-alpha", 1e-4)] {
-            let set = json!({ "spinup.stators.0.stiffness": ring, "spinup.integrator": integrator, "spinup.rtol": tolerance });
+        for (integrator, tolerance, step) in [
+            ("esdirk", 1e-6, None),
+            ("generalized-alpha", 1e-4, None),
+            ("generalized-alpha", 1e-4, Some(2e-4)),
+        ] {
+            let set = json!({ "spinup.stators.0.stiffness": ring, "spinup.integrator": integrator,
+                              "spinup.rtol": tolerance, "spinup.step": step });
             let outcome = run(&with(&case("rub-ring"), set));
             let radius = last_radius(&outcome);
             assert!((radius / d - published).abs() < 1e-3, "{integrator} {ring:e}: {}", radius / d);
@@ -204,6 +209,7 @@ fn friction_takes_torque_and_energy() {
 /// The start of a run with bounces, and what both frames and all integrators make of it.
 fn bouncing(more: Value) -> LoadedCase {
     let soft = json!({
+        "expected": [],
         "materials.light.E": 2e7, "materials.light.rho": 1200,
         "disks.0.mass": 2, "gravity": [0, -9.81, 0],
         "supports": [{ "at": 0, "kind": "revolute", "section": "rigid" }, { "at": 0.4, "kind": "cylindrical", "section": "rigid" }],
