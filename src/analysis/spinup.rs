@@ -32,6 +32,8 @@ const NEWTON: NewtonSettings = NewtonSettings { load_steps: 1, max_iterations: 4
 const BISECTIONS: usize = 20;
 /// Points of the orbit in every step.
 const ORBIT_POINTS: usize = 6;
+/// Most turn of the drive between points of the orbit, rad.
+const ORBIT_TURN: f64 = 0.1;
 /// Most points of the orbit in a run.
 const ORBIT: f64 = 20_000.0;
 /// First step over the shortest phase.
@@ -323,8 +325,8 @@ struct Recorder<'a> {
     start: State,
     last: (Moment, Flows),
     centre: Centre,
-    /// Time of the last point of the orbit, and the shortest time to the next.
-    drawn: (f64, f64),
+    /// Time of the last point of the orbit, the shortest time to the next, and the point in the turning frame.
+    drawn: (f64, f64, [f64; 2]),
     supports: Vec<(String, usize)>,
     frame: Frame,
     /// Only with stators.
@@ -356,12 +358,14 @@ impl<'a> Recorder<'a> {
             start,
             last: (begin.clone(), Flows::default()),
             centre: Centre::new(assembly, x, &section),
-            drawn: (0.0, settings.until / ORBIT),
+            drawn: (0.0, settings.until / ORBIT, [0.0; 2]),
             supports,
             frame: settings.frame,
         };
         recorder.sample(dynamics, 0.0, &begin.z, &begin.v, &begin.a, Flows::default());
         recorder.next = 1;
+        let [_, y, z] = recorder.extreme(dynamics, 0.0, &begin.z);
+        recorder.drawn.2 = [y, z];
         Ok(recorder)
     }
 
@@ -379,11 +383,9 @@ impl<'a> Recorder<'a> {
             if t - self.drawn.0 < self.drawn.1 {
                 continue;
             }
-            self.drawn.0 = t;
             step.interpolate(t, &mut z, &mut v, &mut a);
             let [_, y, z] = self.extreme(dynamics, t, &z);
-            let (sin, cos) = dynamics.drive.at(t).angle.sin_cos();
-            self.history.orbit_m.push([cos * y - sin * z, sin * y + cos * z]);
+            self.draw(dynamics, t, [y, z]);
         }
         if let Some(rub) = &mut self.rub {
             rub.record(dynamics, step);
@@ -393,6 +395,21 @@ impl<'a> Recorder<'a> {
         }
         self.last.0.clone_from(step.end);
         self.last.1 = step.flows[1];
+    }
+
+    /// Draws the orbit on to a point of the turning frame: straight there, so that a long step of a steady whirl is an
+    /// arc in space.
+    fn draw(&mut self, dynamics: &Dynamics<'_>, t: f64, to: [f64; 2]) {
+        let (before, shortest, from) = self.drawn;
+        let turned = dynamics.drive.at(t).angle - dynamics.drive.at(before).angle;
+        let parts = (turned / ORBIT_TURN).ceil().min((t - before) / shortest).max(1.0) as usize;
+        for k in 1..=parts {
+            let share = k as f64 / parts as f64;
+            let [y, z] = [0, 1].map(|i| from[i] + share * (to[i] - from[i]));
+            let (sin, cos) = dynamics.drive.at(before + share * (t - before)).angle.sin_cos();
+            self.history.orbit_m.push([cos * y - sin * z, sin * y + cos * z]);
+        }
+        self.drawn = (t, shortest, to);
     }
 
     /// Keeps the largest distance of the axis from its place.
