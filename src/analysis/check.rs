@@ -119,7 +119,7 @@ pub fn check(model: &Model) -> Result<Outcome<Check>> {
         let fastest = spin.drive.iter().map(|p| p.speed).fold(0.0, f64::max);
         slow_remark(model, fastest, &mut diagnostics);
         if !spin.stators.is_empty() {
-            model_summary.modelled.push(format!("spinup: rub in {} rings", spin.stators.len()));
+            model_summary.modelled.push(format!("spinup: rub (rings: {})", spin.stators.len()));
         }
     }
     Ok(Outcome { results, model: model_summary, diagnostics })

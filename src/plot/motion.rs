@@ -154,10 +154,14 @@ fn orbit(report: &Report<Spinup>, h: &History) -> Result<String> {
 
 fn energy(report: &Report<Spinup>, h: &History) -> Result<String> {
     let e = &h.energy_j;
+    let potential = match e.stators.len() {
+        0 => ("potential", e.potential.clone()),
+        _ => ("potential, with rings", e.potential.iter().zip(&e.stators).map(|(p, s)| p + s).collect()),
+    };
     let curves = vec![
         ("kinetic", e.kinetic.clone()),
         ("strain", e.strain.clone()),
-        ("potential", e.potential.clone()),
+        potential,
         ("work of the drive", e.drive_work.clone()),
         ("absorbed", e.absorbed.clone()),
     ];
