@@ -281,6 +281,11 @@ impl<'a> Dynamics<'a> {
     pub fn contacts(&mut self, t: f64, z: &[f64], v: &[f64]) -> Vec<Contact> {
         let zero = vec![0.0; z.len()];
         self.move_to(self.drive.at(t), z, v, &zero);
+        self.present_contacts()
+    }
+
+    /// Gap and forces at every stator in the state of the last evaluation or [`Self::state`].
+    pub fn present_contacts(&self) -> Vec<Contact> {
         let m = &self.memory;
         let of = |ring: &Ring| ring.law.contact(&ring.gather(&m.position), &ring.gather(&m.velocity));
         self.rub.rings.iter().map(of).collect()

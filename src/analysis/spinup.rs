@@ -434,7 +434,7 @@ impl<'a> Recorder<'a> {
         let reactions = dynamics.reactions(t);
         let state = dynamics.state(t, z, v);
         if let Some(rub) = &mut self.rub {
-            rub.sample(t, &dynamics.contacts(t, z, v));
+            rub.sample(t, &dynamics.present_contacts());
             self.history.energy_j.stators.push(state.stators);
         }
         let h = &mut self.history;
