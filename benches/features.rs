@@ -11,7 +11,7 @@ fn main() {
 }
 
 /// Analysis, feature, what it adds to the case by path.
-const FEATURES: [(&str, &str); 12] = [
+const FEATURES: [(&str, &str); 14] = [
     ("campbell", "nothing"),
     ("campbell", "bearings"),
     ("campbell", "damping"),
@@ -24,10 +24,19 @@ const FEATURES: [(&str, &str); 12] = [
     ("spinup", "nothing"),
     ("spinup", "gravity"),
     ("spinup", "damping"),
+    ("spinup", "unbalance"),
+    ("spinup", "unbalance and rings never near"),
 ];
 
 fn additions(feature: &str) -> Value {
+    let unbalance =
+        json!([{ "at": 1, "mass": 20, "polar_inertia": 0.2, "diametral_inertia": 0.1, "offset": [1e-3, 0] }]);
+    let ring = |at: f64| json!({ "at": at, "clearance": 0.05, "stiffness": 1e7, "friction": 0.1 });
     match feature {
+        "unbalance" => json!({ "disks": unbalance }),
+        "unbalance and rings never near" => {
+            json!({ "disks": unbalance, "spinup.stators": [ring(0.5), ring(1.0), ring(1.5)] })
+        }
         "bearings" => {
             let bearing =
                 |at: f64| json!({ "at": at, "kind": "bearing", "stiffness": [[1e-3, 0], [0, 1e-3]] });

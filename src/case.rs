@@ -569,6 +569,24 @@ pub struct Spinup {
     /// Only the equilibrium at the last speed.
     #[serde(default)]
     pub steady: bool,
+    /// Rings that limit the motion of the shaft.
+    #[serde(default)]
+    pub stators: Vec<Stator>,
+}
+
+/// A rigid ring at rest around the shaft, centred on the undeformed axis.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Stator {
+    /// Position along the shaft: an element end where the section is round.
+    pub at: Length,
+    /// Radial play of the shaft's axis.
+    pub clearance: Length,
+    /// Force per penetration.
+    pub stiffness: Stiffness,
+    /// Coefficient of friction on the shaft's surface, default 0.
+    #[serde(default)]
+    pub friction: f64,
 }
 
 fn step_rtol() -> f64 {

@@ -28,6 +28,7 @@ Examples:
   rotor campbell cases/bauchau.json --set shaft.segments.0.elements=32 --out study/32
   rotor modes cases/table3-tube.json --set modes.count=12
   rotor spinup cases/table8-spin-circle.json
+  rotor spinup cases/rub-ring.json --set spinup.stators.0.friction=0.02
   rotor static cases/table5-cantilever.json --set shaft.segments.0.elements=16
   rotor contact cases/side-to-side.json
   rotor check cases/jeffcott.json
@@ -54,7 +55,7 @@ enum Command {
     Campbell(RunArguments),
     /// Equilibrium under loads and gravity, with finite displacements
     Static(RunArguments),
-    /// Run up to speed: growth, stresses, orbit, torque and energies over time
+    /// Run up to speed: growth, stresses, orbit, torque, energies and rub in rings over time
     Spinup(RunArguments),
     /// Equilibrium or motion of beams in contact: gaps, forces, energies, events
     Contact(RunArguments),

@@ -4,11 +4,11 @@
 //! With a node turning by Theta(t), `q = (I (x) R(Theta)) s`, Omega = dTheta/dt and `J s = e_x x s`:
 //!
 //! ```text
-//!     M (s'' + 2 Omega J s' + (dOmega/dt J + Omega^2 J^2) s) + alpha M v + F(s, s') + bearings = R^T f
+//!     M (s'' + 2 Omega J s' + (dOmega/dt J + Omega^2 J^2) s) + alpha M v + F(s, s') + bearings + rub = R^T f
 //! ```
 //!
 //! In the rotating frame every node turns; in the inertial frame only the driven ones do, whose constraints
-//! are then constant in their own turned coordinates. Both are exact. Source: docs/theory.md sections 5 and 7.
+//! are then constant in their own turned coordinates. Both are exact. Source: docs/theory.md sections 5, 7 and 12.
 
 use crate::assembly::{Assembly, Parts};
 use crate::drive::{Drive, Turn};
@@ -16,10 +16,11 @@ use crate::error::Result;
 use crate::forces::{Forces, ScalarMass, Workspace};
 use crate::linalg::chain::{Chain, Layout, Terms};
 use crate::loads::{dead_loads, weight};
-use crate::model::{Frame, Model, SupportKind};
+use crate::model::{Frame, Model, Stator, SupportKind};
+use crate::rub::{self, Contact, Ring, Rub, Touch};
 use crate::support::{Contribution, displacement_weights, drives};
 use faer::{Mat, MatRef, Scale};
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
 
 /// How a Newton matrix follows the motion of a node's section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,6 +42,9 @@ struct NodePlace {
     following: Following,
 }
 
+/// Turn of a contact in its section that a Newton matrix is not kept for, rad.
+const TURNED: f64 = 0.1;
+
 /// A linear bearing: weights of the vectors of its node.
 struct BearingLaw {
     vectors: Vec<(usize, f64)>,
@@ -59,6 +63,8 @@ pub struct Powers {
     pub external: f64,
     /// Power absorbed by the bearings, W.
     pub bearings: f64,
+    /// Power that friction at stators takes, W.
+    pub friction: f64,
 }
 
 /// Energies and momentum of a state.
@@ -70,6 +76,8 @@ pub struct State {
     pub strain: f64,
     /// Potential of gravity and dead loads, zero in the undeformed shaft at angle zero, J.
     pub potential: f64,
+    /// Potential of penetrated stators, J.
+    pub stators: f64,
     /// Angular momentum about x, kg m^2/s.
     pub angular_momentum: f64,
 }
@@ -92,6 +100,8 @@ pub struct NewtonMatrix {
     follows: bool,
     /// Its coefficients (c_k, c_v, c_a) and the spin speed it was made for.
     pub made_for: ([f64; 3], f64),
+    /// Rings in contact and where on the section, as [`Dynamics::contact_directions`] tells.
+    contacts: Vec<(usize, Vector3<f64>)>,
 }
 
 /// Equations of motion with their memory.
@@ -111,6 +121,7 @@ pub struct Dynamics<'a> {
     external: Option<ScalarMass>,
     viscous: bool,
     bearings: Vec<BearingLaw>,
+    rub: Rub,
     reference: Vec<f64>,
     load: Vec<f64>,
     nodes: Vec<NodePlace>,
@@ -181,6 +192,8 @@ struct Memory {
     inertia: Vec<f64>,
     damping: Vec<f64>,
     frames: Vec<Matrix3<f64>>,
+    /// Sine and cosine of the drive's angle.
+    turned: (f64, f64),
 }
 
 impl<'a> Dynamics<'a> {
@@ -232,12 +245,50 @@ impl<'a> Dynamics<'a> {
             mass,
             external,
             bearings,
+            rub: Rub::default(),
             load,
             nodes,
             linear,
             work: Workspace::default(),
             memory: Memory::default(),
         })
+    }
+
+    /// Puts rings around the shaft.
+    pub fn surround(&mut self, stators: &[Stator]) {
+        let (model, numbering) = (self.assembly.model, &self.assembly.numbering);
+        let fastest = self.drive.largest_speed();
+        self.rub.rings = stators.iter().map(|s| Ring::new(model, numbering, s, fastest)).collect();
+    }
+
+    /// The rings around the shaft and what they took.
+    pub fn rub(&self) -> &Rub {
+        &self.rub
+    }
+
+    /// Before a step of length h from a state: decides whether contact is possible in it.
+    pub fn look_at_stators(&mut self, t: f64, [z, v, a]: [&[f64]; 3], h: f64) {
+        if self.rub.rings.is_empty() || self.rub.is_clear(t, h) {
+            self.rub.stay_clear();
+            return;
+        }
+        self.move_to(self.drive.at(t), z, v, a);
+        let m = &self.memory;
+        self.rub.look(t, h, [&m.position, &m.velocity, &m.acceleration]);
+    }
+
+    /// Gap and forces at every stator in a state, whether or not it is near.
+    pub fn contacts(&mut self, t: f64, z: &[f64], v: &[f64]) -> Vec<Contact> {
+        let zero = vec![0.0; z.len()];
+        self.move_to(self.drive.at(t), z, v, &zero);
+        self.present_contacts()
+    }
+
+    /// Gap and forces at every stator in the state of the last evaluation or [`Self::state`].
+    pub fn present_contacts(&self) -> Vec<Contact> {
+        let m = &self.memory;
+        let of = |ring: &Ring| ring.law.contact(&ring.gather(&m.position), &ring.gather(&m.velocity));
+        self.rub.rings.iter().map(of).collect()
     }
 
     /// Number of unknowns.
@@ -270,6 +321,7 @@ impl<'a> Dynamics<'a> {
         m.velocity.clone_from(&m.rate);
         let Turn { angle, speed, acceleration } = turn;
         let (sin, cos) = angle.sin_cos();
+        m.turned = (sin, cos);
         let rotating = self.frame == Frame::Rotating;
         for node in self.nodes.iter().filter(|n| rotating || n.turned) {
             for at in (node.start..node.end).step_by(3) {
@@ -332,6 +384,8 @@ impl<'a> Dynamics<'a> {
                 m.inertia[at + 2] += w * force[1];
             }
         }
+        self.powers.friction =
+            if self.rub.near { self.rub.add(&m.position, &m.velocity, &mut m.inertia) } else { 0.0 };
         for (f, load) in m.inertia.chunks_exact_mut(3).zip(self.load.chunks_exact(3)) {
             f[0] -= load[0];
             f[1] -= cos * load[1] + sin * load[2];
@@ -392,8 +446,83 @@ impl<'a> Dynamics<'a> {
         self.powers.torque += moment(&m.position, &m.damping);
     }
 
+    /// Rings in contact at the last evaluation and the outward normal there in the coordinates of a Newton matrix:
+    /// the unknowns', or for one that follows the sections those of the section.
+    fn contact_directions(&self, follows: bool) -> Vec<(usize, Vector3<f64>)> {
+        let direction = |touch: &Touch| {
+            let normal = Vector3::new(0.0, touch.place[0], touch.place[1]).normalize();
+            (touch.ring, self.to_matrix(self.rub.rings[touch.ring].node, follows) * normal)
+        };
+        self.rub.touching.iter().map(direction).collect()
+    }
+
+    /// From the frame of evaluation at the last one to the coordinates of a Newton matrix, at a node.
+    fn to_matrix(&self, node: usize, follows: bool) -> Matrix3<f64> {
+        let (sin, cos) = if self.nodes[node].turned { self.memory.turned } else { (0.0, 1.0) };
+        let own = Matrix3::new(1.0, 0.0, 0.0, 0.0, cos, sin, 0.0, -sin, cos);
+        match self.memory.frames.get(node).filter(|_| follows) {
+            Some(frame) => frame.transpose() * own,
+            None => own,
+        }
+    }
+
+    /// True when other rings touch at the last evaluation than those a matrix was made for, or elsewhere on the section.
+    pub fn contact_moved(&self, matrix: &NewtonMatrix) -> bool {
+        if self.rub.touching.is_empty() && matrix.contacts.is_empty() {
+            return false;
+        }
+        let (now, then) = (self.contact_directions(matrix.follows), &matrix.contacts);
+        let apart = |k: usize| now[k].0 != then[k].0 || (now[k].1 - then[k].1).norm() > TURNED;
+        now.len() != then.len() || (0..now.len()).any(apart)
+    }
+
+    /// What the rings that touched at the last evaluation add to a Newton matrix.
+    fn contact_parts(&self, [c_k, c_v, _]: [f64; 3], speed: f64, follows: bool) -> Vec<Contribution> {
+        let one = |touch: &Touch| {
+            let ring = &self.rub.rings[touch.ring];
+            let [by_place, by_rate] = ring.law.tangents(&touch.place, &touch.rate);
+            // seen from space the coordinates of a turning node move by Omega e_x x q besides their own rate
+            let turns = self.frame == Frame::Rotating || self.nodes[ring.node].turned;
+            let cross = rub::Matrix::from_fn(|i, j| match (i / 2 == j / 2, i % 2, j % 2) {
+                (true, 0, 1) => -speed,
+                (true, 1, 0) => speed,
+                _ => 0.0,
+            });
+            let carried = if turns { by_rate * cross } else { rub::Matrix::zeros() };
+            let plane = -(by_place + carried) * c_k - by_rate * c_v;
+            let mut full = SMatrix::<f64, 9, 9>::zeros();
+            for (i, j) in (0..6).flat_map(|i| (0..6).map(move |j| (i, j))) {
+                full[(3 * (i / 2) + 1 + i % 2, 3 * (j / 2) + 1 + j % 2)] = plane[(i, j)];
+            }
+            let turn = self.to_matrix(ring.node, follows);
+            let mut all = SMatrix::<f64, 9, 9>::zeros();
+            (0..3).for_each(|k| all.fixed_view_mut::<3, 3>(3 * k, 3 * k).copy_from(&turn));
+            let full = all * full * all.transpose();
+            let mut starts: Vec<usize> = ring.rows.iter().flatten().map(|entry| entry.0).collect();
+            starts.sort_unstable();
+            starts.dedup();
+            let weight = |k: usize, start: usize| {
+                ring.rows[k].iter().find(|entry| entry.0 == start).map_or(0.0, |entry| entry.1)
+            };
+            let entry = |i: usize, j: usize| {
+                let pairs = (0..3).flat_map(|k| (0..3).map(move |l| (k, l)));
+                let part = |(k, l): (usize, usize)| {
+                    weight(k, starts[i / 3]) * weight(l, starts[j / 3]) * full[(3 * k + i % 3, 3 * l + j % 3)]
+                };
+                pairs.map(part).sum::<f64>()
+            };
+            let n = 3 * starts.len();
+            Contribution {
+                coordinates: starts.iter().flat_map(|s| (0..3).map(move |c| s + c)).collect(),
+                matrix: Mat::from_fn(n, n, entry),
+            }
+        };
+        self.rub.touching.iter().map(one).collect()
+    }
+
     /// Newton matrix for `z = z0 + c_k x, z' = v0 + c_v x, z'' = a0 + c_a x`: of the undeformed shaft, turned with
-    /// every node's section, or with the tangent of the state `z` (no rotation, any deformation).
+    /// every node's section, or with the tangent of the state `z` (no rotation, any deformation); with the tangent of
+    /// the rings that touched at the last evaluation.
     ///
     /// # Errors
     /// A singular matrix.
@@ -406,9 +535,12 @@ impl<'a> Dynamics<'a> {
         let [c_k, c_v, c_a] = coefficients;
         let Turn { speed, acceleration, angle } = self.drive.at(t);
         self.counts.factorizations += 1;
+        let follows = state.is_none();
+        let rings = self.contact_parts(coefficients, speed, follows);
         let l = &self.linear;
         let coriolis = 2.0 * speed * c_v + acceleration * c_k;
         let mut terms = l.terms(&[c_a, c_v, c_k, coriolis, speed * speed * c_k, speed * c_k]);
+        terms.nodal.extend(scaled(1.0, &rings));
         let factor = match state {
             None => {
                 let elastic = l.elastic.elements.iter().zip(&l.viscosity);
@@ -443,7 +575,8 @@ impl<'a> Dynamics<'a> {
                 Chain::new(&l.layout, &terms)?
             }
         };
-        Ok(NewtonMatrix { factor, follows: state.is_none(), made_for: (coefficients, speed) })
+        let contacts = self.contact_directions(follows);
+        Ok(NewtonMatrix { factor, follows, made_for: (coefficients, speed), contacts })
     }
 
     /// Rotations of the sections at the state of the last evaluation, for the matrices that follow them.
@@ -503,6 +636,7 @@ impl<'a> Dynamics<'a> {
             kinetic: dot(&m.velocity, &m.inertia) / 2.0,
             strain,
             potential,
+            stators: if self.rub.near { self.rub.energy(&m.position) } else { 0.0 },
             angular_momentum: moment(&m.position, &m.inertia),
         }
     }

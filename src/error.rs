@@ -45,6 +45,16 @@ pub enum Error {
     /// The command line asks for something that does not exist.
     #[error("{0}")]
     Usage(String),
+    /// What an analysis finds wrong with the case: the caller knows the file and the value.
+    #[error("at `{path}`: {problem}\n  allowed: {allowed}")]
+    Case {
+        /// JSON path of the value.
+        path: String,
+        /// What is wrong with it.
+        problem: String,
+        /// What is allowed there.
+        allowed: String,
+    },
     /// The input is fine but the computation did not succeed.
     #[error("{what}\n  tried:   {tried}\n  remedy:  {remedy}")]
     Analysis {

@@ -1,7 +1,7 @@
 //! Rotordynamics on the higher-order ANCF beam element 34X3.
 //!
 //! Data flows one way; each module uses only what stands before it:
-//! `units, error, json, vectors -> case -> model -> element -> assembly, forces, dynamics -> integrate -> analysis ->
+//! `units, error, json, vectors -> case -> model -> element -> assembly, forces, rub, dynamics -> integrate -> analysis ->
 //! results -> plot, report -> study -> cli`.
 //!
 //! ```
@@ -37,6 +37,7 @@ pub mod model;
 pub mod plot;
 pub mod report;
 pub mod results;
+pub mod rub;
 pub mod run;
 pub mod section;
 pub mod study;

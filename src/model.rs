@@ -449,6 +449,27 @@ pub struct SpinupSettings {
     pub output: usize,
     /// Only the equilibrium at the last speed, no transient.
     pub steady: bool,
+    /// Rings around the shaft.
+    pub stators: Vec<Stator>,
+}
+
+/// A rigid ring at rest around the shaft, centred on the undeformed axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stator {
+    /// Node whose axis point moves in it; an element end.
+    pub node: usize,
+    /// Position along the shaft as written, m.
+    pub at: f64,
+    /// Radial play of the axis, m.
+    pub clearance: f64,
+    /// Force per penetration, N/m.
+    pub stiffness: f64,
+    /// Coefficient of friction.
+    pub friction: f64,
+    /// Radius of the shaft's surface there, the larger one at a step, m.
+    pub radius: f64,
+    /// JSON path.
+    pub path: String,
 }
 
 /// An element that the program chose (`"element": "auto"`).

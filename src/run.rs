@@ -181,10 +181,11 @@ pub fn steps(loaded: &LoadedCase, analysis: Analysis) -> Result<usize> {
     })
 }
 
-/// What a nonlinear analysis refuses about the model is a fault of the case.
+/// What a nonlinear analysis refuses about the model or its start is a fault of the case.
 fn refused(loaded: &LoadedCase, error: Error) -> Error {
     match error {
         Error::Usage(reason) => loaded.fault("shaft.element", reason, "34X1 .. 34X5 or 3333c"),
+        Error::Case { path, problem, allowed } => loaded.fault(&path, problem, allowed),
         other => other,
     }
 }

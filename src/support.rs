@@ -301,16 +301,27 @@ pub fn hub_tangent(
     }
 }
 
+/// r, R r_,y and R r_,z of the axis as rows over the coordinates (first component); of a ring section those of the mean
+/// affine motion of its outer boundary.
+pub fn axis_rows(model: &Model, numbering: &Numbering, node: usize) -> [Vec<(usize, f64)>; 3] {
+    let acts_on = if model.nodes[node].field.basis.is_ring() { ActsOn::Rim } else { ActsOn::Axis };
+    affine_rows(model, numbering, node, acts_on)
+}
+
 /// R r_,y and R r_,z after r as rows over the coordinates (first component): vectors of the node, or the mean affine
 /// motion of the boundary that carries the disk.
 fn disk_vectors(model: &Model, numbering: &Numbering, disk: &Disk) -> [Vec<(usize, f64)>; 3] {
-    let rows = match Region::new(model, disk.node, disk.hub.acts_on()) {
+    affine_rows(model, numbering, disk.node, disk.hub.acts_on())
+}
+
+fn affine_rows(model: &Model, numbering: &Numbering, node: usize, acts_on: ActsOn) -> [Vec<(usize, f64)>; 3] {
+    let rows = match Region::new(model, node, acts_on) {
         Some(region) => region.affine(model.reference_length),
         None => [vec![1.0], vec![0.0, 1.0], vec![0.0, 0.0, 1.0]],
     };
     rows.map(|row| {
         let used = row.into_iter().enumerate().filter(|(_, w)| *w != 0.0);
-        used.map(|(k, w)| (numbering.index(disk.node, k, 0), w)).collect()
+        used.map(|(k, w)| (numbering.index(node, k, 0), w)).collect()
     })
 }
 

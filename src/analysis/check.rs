@@ -118,6 +118,9 @@ pub fn check(model: &Model) -> Result<Outcome<Check>> {
     if let Some(spin) = &model.spinup {
         let fastest = spin.drive.iter().map(|p| p.speed).fold(0.0, f64::max);
         slow_remark(model, fastest, &mut diagnostics);
+        if !spin.stators.is_empty() {
+            model_summary.modelled.push(format!("spinup: rub (rings: {})", spin.stators.len()));
+        }
     }
     Ok(Outcome { results, model: model_summary, diagnostics })
 }

@@ -17,6 +17,7 @@ pub mod operators;
 pub mod probes;
 pub mod reduced;
 pub mod remarks;
+pub mod rub;
 pub mod spectrum;
 pub mod spinup;
 pub mod state;

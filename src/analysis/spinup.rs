@@ -8,6 +8,7 @@ use super::estimates::{bore_remarks, refuse_dependent, refuse_tiny_bore, slow_re
 use super::growth::{basis_error, closed_form};
 use super::probes::{Centre, displacement, growth, largest_strain, mid_section, probe_states, profile};
 use super::remarks::Refusal;
+use super::rub::RubRecorder;
 use super::statics::{newton_summary, pinned_remark, strain_remark};
 use super::{Outcome, nonlinear_summary, quadrature_name};
 use crate::assembly::Assembly;
@@ -31,6 +32,8 @@ const NEWTON: NewtonSettings = NewtonSettings { load_steps: 1, max_iterations: 4
 const BISECTIONS: usize = 20;
 /// Points of the orbit in every step.
 const ORBIT_POINTS: usize = 6;
+/// Most turn of the drive between points of the orbit, rad.
+const ORBIT_TURN: f64 = 0.1;
 /// Most points of the orbit in a run.
 const ORBIT: f64 = 20_000.0;
 /// First step over the shortest phase.
@@ -91,15 +94,14 @@ pub fn spinup(model: &Model, settings: &SpinupSettings, watch: Watch<'_>) -> Res
         ));
     }
     let mut dynamics = Dynamics::new(&assembly, drive, settings.frame)?;
+    dynamics.surround(&settings.stators);
     let n = assembly.size();
     let mut begin = Moment { t: 0.0, z: start.z, v: vec![0.0; n], a: vec![0.0; n] };
     let (z, v) = (begin.z.clone(), begin.v.clone());
     dynamics.acceleration(0.0, &z, &v, &mut begin.a);
-    let mut recorder = Recorder::new(&assembly, settings, &mut dynamics, &begin);
+    let mut recorder = Recorder::new(&assembly, settings, &mut dynamics, &begin)?;
     let result = run(&mut dynamics, begin, settings, &mut recorder, watch)?;
-    let mut outcome = recorder.finish(model, &mut dynamics, result, diagnostics);
-    outcome.model = summary(model, &assembly, &dynamics);
-    Ok(outcome)
+    Ok(recorder.finish(model, &mut dynamics, result, diagnostics))
 }
 
 /// What the integration took and whether it came to the end.
@@ -182,6 +184,7 @@ fn steady(model: &Model, speed: f64, mut diagnostics: Vec<Diagnostic>) -> Result
         extremes: None,
         history: None,
         energy: None,
+        rub: None,
         integrator: None,
         newton: Some(newton_summary(&state)),
     };
@@ -322,10 +325,12 @@ struct Recorder<'a> {
     start: State,
     last: (Moment, Flows),
     centre: Centre,
-    /// Time of the last point of the orbit, and the shortest time to the next.
-    drawn: (f64, f64),
+    /// Time of the last point of the orbit, the shortest time to the next, and the point in the turning frame.
+    drawn: (f64, f64, [f64; 2]),
     supports: Vec<(String, usize)>,
     frame: Frame,
+    /// Only with stators.
+    rub: Option<RubRecorder>,
 }
 
 impl<'a> Recorder<'a> {
@@ -334,15 +339,18 @@ impl<'a> Recorder<'a> {
         settings: &SpinupSettings,
         dynamics: &mut Dynamics<'_>,
         begin: &Moment,
-    ) -> Self {
+    ) -> Result<Self> {
         let last = settings.output - 1;
         let times = (0..=last).map(|k| settings.until * k as f64 / last as f64).collect();
         let start = dynamics.state(0.0, &begin.z, &begin.v);
         let zero = Extremes { radius_m: 0.0, radius_time_s: 0.0, torque_n_m: 0.0, torque_time_s: 0.0 };
         let (x, section, _) = mid_section(assembly.model);
         let supports = assembly.model.supports.iter().map(|s| (s.path.clone(), s.node)).collect();
+        let contacts = dynamics.contacts(0.0, &begin.z, &begin.v);
+        let rub = || RubRecorder::new(&settings.stators, settings.until, &contacts);
         let mut recorder = Self {
             assembly,
+            rub: (!settings.stators.is_empty()).then(rub).transpose()?,
             times,
             next: 0,
             history: History::default(),
@@ -350,13 +358,15 @@ impl<'a> Recorder<'a> {
             start,
             last: (begin.clone(), Flows::default()),
             centre: Centre::new(assembly, x, &section),
-            drawn: (0.0, settings.until / ORBIT),
+            drawn: (0.0, settings.until / ORBIT, [0.0; 2]),
             supports,
             frame: settings.frame,
         };
         recorder.sample(dynamics, 0.0, &begin.z, &begin.v, &begin.a, Flows::default());
         recorder.next = 1;
-        recorder
+        let [_, y, z] = recorder.extreme(dynamics, 0.0, &begin.z);
+        recorder.drawn.2 = [y, z];
+        Ok(recorder)
     }
 
     fn record(&mut self, dynamics: &mut Dynamics<'_>, step: &Step<'_>) {
@@ -373,17 +383,33 @@ impl<'a> Recorder<'a> {
             if t - self.drawn.0 < self.drawn.1 {
                 continue;
             }
-            self.drawn.0 = t;
             step.interpolate(t, &mut z, &mut v, &mut a);
             let [_, y, z] = self.extreme(dynamics, t, &z);
-            let (sin, cos) = dynamics.drive.at(t).angle.sin_cos();
-            self.history.orbit_m.push([cos * y - sin * z, sin * y + cos * z]);
+            self.draw(dynamics, t, [y, z]);
+        }
+        if let Some(rub) = &mut self.rub {
+            rub.record(dynamics, step);
         }
         if step.torque[1].abs() > self.extremes.torque_n_m {
             (self.extremes.torque_n_m, self.extremes.torque_time_s) = (step.torque[1].abs(), step.end.t);
         }
         self.last.0.clone_from(step.end);
         self.last.1 = step.flows[1];
+    }
+
+    /// Draws the orbit on to a point of the turning frame: straight there, so that a long step of a steady whirl is an
+    /// arc in space.
+    fn draw(&mut self, dynamics: &Dynamics<'_>, t: f64, to: [f64; 2]) {
+        let (before, shortest, from) = self.drawn;
+        let turned = dynamics.drive.at(t).angle - dynamics.drive.at(before).angle;
+        let parts = (turned / ORBIT_TURN).ceil().min((t - before) / shortest).max(1.0) as usize;
+        for k in 1..=parts {
+            let share = k as f64 / parts as f64;
+            let [y, z] = [0, 1].map(|i| from[i] + share * (to[i] - from[i]));
+            let (sin, cos) = dynamics.drive.at(before + share * (t - before)).angle.sin_cos();
+            self.history.orbit_m.push([cos * y - sin * z, sin * y + cos * z]);
+        }
+        self.drawn = (t, shortest, to);
     }
 
     /// Keeps the largest distance of the axis from its place.
@@ -407,6 +433,10 @@ impl<'a> Recorder<'a> {
         let torque = dynamics.powers.torque;
         let reactions = dynamics.reactions(t);
         let state = dynamics.state(t, z, v);
+        if let Some(rub) = &mut self.rub {
+            rub.sample(t, &dynamics.present_contacts());
+            self.history.energy_j.stators.push(state.stators);
+        }
         let h = &mut self.history;
         h.time_s.push(t);
         h.speed_rad_s.push(turn.speed);
@@ -444,15 +474,23 @@ impl<'a> Recorder<'a> {
         run: RunResult,
         mut diagnostics: Vec<Diagnostic>,
     ) -> Outcome<Spinup> {
+        let mut summary = summary(model, self.assembly, dynamics);
         let (Moment { t, z, v, .. }, flows) = self.last;
+        let mut history = self.history;
+        let rub = self.rub.map(|rub| {
+            let (rub, stators) = rub.finish(dynamics, t, &mut summary, &mut diagnostics);
+            history.stators = stators;
+            rub
+        });
         let state = dynamics.state(t, &z, &v);
         let q = dynamics.coordinates(t, &z);
         let last = spin_state(self.assembly, &q, Some(t), dynamics.drive.at(t).speed);
         strain_remark(last.largest_strain, &mut diagnostics);
         let change = energy(&state) - energy(&self.start);
-        let [material, external, bearings] = absorbed(&flows, &state, &self.start, dynamics.is_viscous());
-        let lost = flows.drive - change - material - external - bearings;
-        let e = &self.history.energy_j;
+        let [material, external, bearings, friction] =
+            absorbed(&flows, &state, &self.start, dynamics.is_viscous());
+        let lost = flows.drive - change - material - external - bearings - friction;
+        let e = &history.energy_j;
         let energies = e.kinetic.iter().chain(&e.strain).chain([&state.kinetic, &state.strain, &flows.drive]);
         let scale = energies.fold(f64::MIN_POSITIVE, |m: f64, e| m.max(e.abs()));
         if !run.complete {
@@ -476,16 +514,18 @@ impl<'a> Recorder<'a> {
             complete: run.complete,
             last,
             extremes: Some(self.extremes),
-            history: Some(self.history),
+            history: Some(history),
             energy: Some(EnergyBalance {
                 drive_work_j: flows.drive,
                 change_j: change,
                 material_damping_j: material,
                 external_damping_j: external,
                 bearings_j: bearings,
+                friction_j: rub.is_some().then_some(friction),
                 numerical_dissipation_j: lost,
                 relative_error: lost / scale,
             }),
+            rub,
             integrator: Some(IntegratorSummary {
                 name: match settings.map(|s| s.integrator) {
                     Some(Integrator::GeneralizedAlpha) => "generalized-alpha",
@@ -502,17 +542,17 @@ impl<'a> Recorder<'a> {
             }),
             newton: None,
         };
-        Outcome { results, model: nonlinear_summary(model, self.assembly.size()), diagnostics }
+        Outcome { results, model: summary, diagnostics }
     }
 }
 
 fn energy(state: &State) -> f64 {
-    state.kinetic + state.strain + state.potential
+    state.kinetic + state.strain + state.potential + state.stators
 }
 
-/// Absorbed by material damping, external damping and bearings. The internal forces' work is strain energy and
+/// Absorbed by material damping, external damping, bearings and friction at stators. The internal forces' work is strain energy and
 /// material damping together.
-fn absorbed(flows: &Flows, state: &State, start: &State, viscous: bool) -> [f64; 3] {
+fn absorbed(flows: &Flows, state: &State, start: &State, viscous: bool) -> [f64; 4] {
     let material = if viscous { flows.internal - (state.strain - start.strain) } else { 0.0 };
-    [material, flows.external, flows.bearings]
+    [material, flows.external, flows.bearings, flows.friction]
 }

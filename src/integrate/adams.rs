@@ -61,6 +61,7 @@ pub fn integrate(
             // the last two steps before a stop share what is left
             let taken = if last { left } else { run.h.min(left / 2.0) };
             course.resolve(taken, run.now.t, progress)?;
+            dynamics.look_at_stators(run.now.t, [&run.now.z, &run.now.v, &run.now.a], taken);
             if !run.attempt(dynamics, taken, settings) {
                 progress.rejected += 1;
                 if run.failures > HOPELESS {

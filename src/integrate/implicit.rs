@@ -99,7 +99,8 @@ pub fn integrate(
         let stop = course.stop_after(run.now.t);
         // the last two steps before a stop share what is left
         let left = stop - run.now.t;
-        let last = h >= left * (1.0 - 1e-9);
+        // times of many fixed steps add up to within their rounding
+        let last = h >= left * (1.0 - 1e-6);
         let taken = if last {
             left
         } else if settings.step.is_none() && 2.0 * h > left {
@@ -108,6 +109,7 @@ pub fn integrate(
             h
         };
         course.resolve(taken, run.now.t, progress)?;
+        dynamics.look_at_stators(run.now.t, [&run.now.z, &run.now.v, &run.now.a], taken);
         let error = run.step(dynamics, taken, settings)?;
         match error {
             Some(error) if error <= 1.0 || run.fixed => {
@@ -520,9 +522,15 @@ impl Newton {
             if iteration == 0 {
                 dynamics.follow_sections();
             }
-            if full {
-                let z = Some(&self.z[..]);
+            let moved = self.matrix.as_ref().is_some_and(|matrix| dynamics.contact_moved(matrix));
+            if full || moved {
+                let z = (full || self.present).then_some(&self.z[..]);
                 self.matrix = Some(dynamics.newton_matrix(stage.t, stage.coefficients, z)?);
+            }
+            if moved {
+                // another contact is another problem: what was learnt of the last one does not hold
+                self.secants.clear();
+                (before, stalls, self.rate) = (f64::INFINITY, 0, 1.0);
             }
             let Some(matrix) = &self.matrix else { return Ok(false) };
             dynamics.correct(matrix, &mut self.change);

@@ -62,6 +62,8 @@ pub struct Flows {
     pub external: f64,
     /// Absorbed by bearings.
     pub bearings: f64,
+    /// Taken by friction at stators.
+    pub friction: f64,
 }
 
 /// An accepted step.
@@ -144,6 +146,7 @@ impl Step<'_> {
             internal: between(a.internal, b.internal),
             external: between(a.external, b.external),
             bearings: between(a.bearings, b.bearings),
+            friction: between(a.friction, b.friction),
         }
     }
 }
@@ -153,7 +156,7 @@ impl Flows {
     fn powers(dynamics: &Dynamics<'_>, t: f64) -> Self {
         let p = &dynamics.powers;
         let drive = p.torque * dynamics.drive.at(t).speed;
-        Self { drive, internal: p.internal, external: p.external, bearings: p.bearings }
+        Self { drive, internal: p.internal, external: p.external, bearings: p.bearings, friction: p.friction }
     }
 
     /// `self + factor * other`.
@@ -163,6 +166,7 @@ impl Flows {
             internal: self.internal + factor * other.internal,
             external: self.external + factor * other.external,
             bearings: self.bearings + factor * other.bearings,
+            friction: self.friction + factor * other.friction,
         }
     }
 }

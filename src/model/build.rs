@@ -48,7 +48,7 @@ impl Model {
             tractions,
             quadrature: input.quadrature()?,
             statics: input.statics()?,
-            spinup: input.spinup()?,
+            spinup: input.spinup(&mesh, &sections)?,
             modes: input.modes()?,
             campbell: input.campbell(sections.iter().all(Section::is_axisymmetric))?,
             materials,

@@ -3,11 +3,20 @@
 use super::panels::{Curve, Mark, Panel, STROKES, Surroundings, figure};
 use super::style::{self, Line, Marker, Point, Stroke};
 use crate::error::Result;
-use crate::results::{History, PointState, Profile, Report, Spinup, Static};
-use std::f64::consts::PI;
+use crate::results::{
+    History, PointState, Profile, Report, RubSummary, Spinup, Static, StatorHistory, StatorSummary,
+};
+use crate::rub::Contact;
+use std::f64::consts::{PI, TAU};
 
 /// Part of the section's size that its largest displacement takes when drawn.
 const VISIBLE: f64 = 0.15;
+/// Chords of a circle.
+const CIRCLE: usize = 180;
+/// Largest radius of a ring that is drawn, over that of the orbit.
+const FAR: f64 = 5.0;
+/// Share of a position within which two are the same.
+const SAME: f64 = 1e-9;
 
 /// Figures as `(file name, SVG text)`.
 type Figures = Vec<(String, String)>;
@@ -33,7 +42,7 @@ pub fn statics(report: &Report<Static>) -> Result<Figures> {
     Ok(vec![("static.svg".to_owned(), axis), ("section.svg".to_owned(), section)])
 }
 
-/// section.svg, and for a transient spinup.svg, orbit.svg and energy.svg.
+/// section.svg, and for a transient spinup.svg, orbit.svg and energy.svg, with stators spinup-rub.svg.
 ///
 /// # Errors
 /// A failure of the drawing library.
@@ -45,7 +54,36 @@ pub fn spinup(report: &Report<Spinup>) -> Result<Figures> {
     figures.push(("spinup.svg".to_owned(), run(report, history)?));
     figures.push(("orbit.svg".to_owned(), orbit(report, history)?));
     figures.push(("energy.svg".to_owned(), energy(report, history)?));
+    if let Some(summary) = &report.results.rub {
+        figures.push(("spinup-rub.svg".to_owned(), rub(report, history, summary)?));
+    }
     Ok(figures)
+}
+
+/// Gap and forces at the stators.
+fn rub(report: &Report<Spinup>, h: &History, summary: &RubSummary) -> Result<String> {
+    let panel = |up: (&'static str, &'static str), of: &dyn Fn(&Contact) -> f64| {
+        let curve = |(k, (s, h)): (usize, (&StatorSummary, &StatorHistory))| Curve {
+            name: format!("ring at {} m", s.at_m),
+            stroke: Stroke { width: 1.2, ..STROKES[k % STROKES.len()] },
+            points: h.drawn.iter().map(|(t, contact)| (*t, of(contact))).collect(),
+        };
+        let curves = summary.stators.iter().zip(&h.stators).enumerate().map(curve).collect();
+        Panel { across: ("Time", "s"), up, curves, ..Panel::default() }
+    };
+    let mut panels = vec![panel(("Gap", "m"), &|c| c.gap)];
+    if summary.stators.iter().any(|s| s.touched) {
+        panels.push(panel(("Normal force", "N"), &|c| c.normal_force));
+    }
+    if summary.stators.iter().any(|s| s.largest_friction_force_n > 0.0) {
+        panels.push(panel(("Friction force", "N"), &|c| c.friction_force));
+    }
+    let remarks = match panels.len() {
+        1 => "No ring was touched: there are no forces.",
+        2 => "A gap below zero is penetration.",
+        _ => "A gap below zero is penetration; friction is positive in the sense of rotation.",
+    };
+    figure(&Surroundings::new(report, "Rub", remarks.to_owned()), &panels, 1)
 }
 
 fn run(report: &Report<Spinup>, h: &History) -> Result<String> {
@@ -87,10 +125,26 @@ fn orbit(report: &Report<Spinup>, h: &History) -> Result<String> {
     ];
     let curve =
         Curve { name: "axis at mid-length".to_owned(), stroke: Stroke { width: 1.2, ..STROKES[0] }, points };
+    let mut curves = vec![curve];
+    let reached = farthest.as_ref().map_or(0.0, radius);
+    let middle = report.results.last.profile.at_m;
+    for stator in report.results.rub.iter().flat_map(|r| &r.stators) {
+        // a ring far out would shrink the orbit to a point
+        let here = (stator.at_m - middle).abs() <= SAME * middle.abs() && stator.clearance_m < FAR * reached;
+        if here {
+            let at = |k: usize| (TAU * k as f64 / CIRCLE as f64).sin_cos();
+            let points = (0..=CIRCLE).map(at).map(|(s, c)| (stator.clearance_m * s, stator.clearance_m * c));
+            curves.push(Curve {
+                name: "clearance of the ring".to_owned(),
+                stroke: Stroke { color: style::BLACK, width: 1.2, line: Line::Dashed },
+                points: points.collect(),
+            });
+        }
+    }
     let panel = Panel {
         across: ("Displacement along z", "m"),
         up: ("Displacement along y", "m"),
-        curves: vec![curve],
+        curves,
         marks: marks.into_iter().flatten().collect(),
         equal: true,
     };
@@ -100,10 +154,14 @@ fn orbit(report: &Report<Spinup>, h: &History) -> Result<String> {
 
 fn energy(report: &Report<Spinup>, h: &History) -> Result<String> {
     let e = &h.energy_j;
+    let potential = match e.stators.len() {
+        0 => ("potential", e.potential.clone()),
+        _ => ("potential, with rings", e.potential.iter().zip(&e.stators).map(|(p, s)| p + s).collect()),
+    };
     let curves = vec![
         ("kinetic", e.kinetic.clone()),
         ("strain", e.strain.clone()),
-        ("potential", e.potential.clone()),
+        potential,
         ("work of the drive", e.drive_work.clone()),
         ("absorbed", e.absorbed.clone()),
     ];

@@ -1,8 +1,8 @@
 //! Short tables for the terminal.
 
 use crate::results::{
-    Campbell, Check, Contact, Diagnostic, Level, ModelSummary, Modes, ProbeState, SpinState, Spinup, Static,
-    Tradeoff, TradeoffPoint, Trust,
+    Campbell, Check, Contact, Diagnostic, Level, ModelSummary, Modes, ProbeState, RubSummary, SpinState,
+    Spinup, Static, StatorSummary, Tradeoff, TradeoffPoint, Trust,
 };
 use std::f64::consts::TAU;
 
@@ -211,6 +211,41 @@ fn spin_state(state: &SpinState) -> String {
     text + &format!("\n  largest principal strain {:.3e}\n", state.largest_strain) + &probes(&state.probes)
 }
 
+/// Stators, one a line.
+fn rub(rub: &RubSummary) -> String {
+    let row = |s: &StatorSummary| {
+        vec![
+            format!("{:.4}", s.at_m),
+            format!("{:.4e}", s.clearance_m),
+            format!("{:.4e}", s.smallest_gap_m),
+            s.first_contact_s.map_or("-".to_owned(), |t| format!("{t:.5}")),
+            s.contacts.to_string(),
+            format!("{:.4e}", s.longest_contact_s),
+            format!("{:.4e}", s.largest_normal_force_n),
+            format!("{:.4e}", s.largest_friction_force_n),
+            s.stator.clone(),
+        ]
+    };
+    let head = [
+        "x (m)",
+        "clearance (m)",
+        "least gap (m)",
+        "first (s)",
+        "contacts",
+        "longest (s)",
+        "normal (N)",
+        "friction (N)",
+        "ring",
+    ];
+    let rows: Vec<Vec<String>> = rub.stators.iter().map(row).collect();
+    let never = if rub.stators.iter().any(|s| s.touched) { "" } else { ": never touched, no contact forces" };
+    columns(&head, &rows)
+        + &format!(
+            "  {} gap checks, {} evaluations with contact{never}\n",
+            rub.gap_checks, rub.contact_evaluations
+        )
+}
+
 /// Run up to speed.
 pub fn spinup(results: &Spinup) -> String {
     let mut text = spin_state(&results.last);
@@ -225,6 +260,9 @@ pub fn spinup(results: &Spinup) -> String {
             "  work of the drive {:.6e} J, numerical dissipation {:.3e} J ({:.1e} of the energy)\n",
             e.drive_work_j, e.numerical_dissipation_j, e.relative_error
         );
+    }
+    if let Some(r) = &results.rub {
+        text += &rub(r);
     }
     if let Some(i) = &results.integrator {
         text += &format!(

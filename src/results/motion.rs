@@ -1,5 +1,6 @@
 //! Results of the nonlinear analyses: states at points, static equilibrium, spin-up.
 
+use crate::rub::Contact;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -135,6 +136,9 @@ pub struct Spinup {
     pub history: Option<History>,
     /// Energy over the whole run; null for the equilibrium alone.
     pub energy: Option<EnergyBalance>,
+    /// What happened at the stators; only with stators.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rub: Option<RubSummary>,
     /// What the integration took; null for the equilibrium alone.
     pub integrator: Option<IntegratorSummary>,
     /// How Newton's method went, for the equilibrium alone.
@@ -205,6 +209,90 @@ pub struct History {
     /// Force `[x, y, z]` of every support in fixed directions, by JSON path.
     #[serde(rename = "reactions_N")]
     pub reactions_n: BTreeMap<String, Vec<[f64; 3]>>,
+    /// Gap and forces of every stator in the order of the case.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub stators: Vec<StatorHistory>,
+}
+
+/// A stator over time.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct StatorHistory {
+    /// Clearance less radial displacement of the shaft's axis, positive when open.
+    pub gap_m: Vec<f64>,
+    /// Force of the ring on the shaft towards its centre.
+    #[serde(rename = "normal_force_N")]
+    pub normal_force_n: Vec<f64>,
+    /// Friction on the surface of the shaft in the sense of positive rotation: negative while it brakes the spin.
+    #[serde(rename = "friction_force_N")]
+    pub friction_force_n: Vec<f64>,
+    /// The same with several points of every step near the ring, for drawing.
+    #[serde(skip)]
+    pub drawn: Vec<(f64, Contact)>,
+}
+
+/// What happened at the stators.
+#[derive(Debug, Clone, Serialize)]
+pub struct RubSummary {
+    /// Times that gaps were looked at, of `integrator.force_evaluations` and steps.
+    pub gap_checks: usize,
+    /// Evaluations of the equations with contact.
+    pub contact_evaluations: usize,
+    /// Every stator in the order of the case.
+    pub stators: Vec<StatorSummary>,
+}
+
+/// What happened at a stator.
+#[derive(Debug, Clone, Serialize)]
+pub struct StatorSummary {
+    /// JSON path of the stator.
+    pub stator: String,
+    /// Position along the shaft.
+    pub at_m: f64,
+    /// Radial play.
+    pub clearance_m: f64,
+    /// Radius of the shaft's surface, on which friction acts.
+    pub surface_radius_m: f64,
+    /// True when the shaft touched it.
+    pub touched: bool,
+    /// Smallest gap found; below zero the largest penetration.
+    pub smallest_gap_m: f64,
+    /// When.
+    pub smallest_gap_time_s: f64,
+    /// Largest force towards the centre.
+    #[serde(rename = "largest_normal_force_N")]
+    pub largest_normal_force_n: f64,
+    /// Largest friction force, by size.
+    #[serde(rename = "largest_friction_force_N")]
+    pub largest_friction_force_n: f64,
+    /// First contact; null when there was none.
+    pub first_contact_s: Option<f64>,
+    /// Number of contacts made.
+    pub contacts: usize,
+    /// Duration of the longest one.
+    pub longest_contact_s: f64,
+    /// Duration of all.
+    pub contact_time_s: f64,
+    /// Contacts made and lost, the first thousand.
+    pub events: Vec<RubEvent>,
+}
+
+/// Contact made or lost.
+#[derive(Debug, Clone, Serialize)]
+pub struct RubEvent {
+    /// When, interpolated within a step.
+    pub time_s: f64,
+    /// Which of both.
+    pub kind: RubEventKind,
+}
+
+/// Contact made or lost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RubEventKind {
+    /// Made.
+    Contact,
+    /// Lost.
+    Release,
 }
 
 /// Energies over time.
@@ -218,7 +306,10 @@ pub struct EnergyHistory {
     pub potential: Vec<f64>,
     /// Work of the drive since the start.
     pub drive_work: Vec<f64>,
-    /// Absorbed by material damping, external damping and bearings since the start.
+    /// Potential of penetrated stators; only with stators.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub stators: Vec<f64>,
+    /// Absorbed by material damping, external damping, bearings and friction at stators since the start.
     pub absorbed: Vec<f64>,
     /// Work of the drive less change of energy less absorbed energy: what the integrator lost.
     pub lost: Vec<f64>,
@@ -230,7 +321,7 @@ pub struct EnergyBalance {
     /// Work of the drive.
     #[serde(rename = "drive_work_J")]
     pub drive_work_j: f64,
-    /// Change of kinetic, strain and potential energy.
+    /// Change of kinetic, strain and potential energy, that of penetrated stators among it.
     #[serde(rename = "change_J")]
     pub change_j: f64,
     /// Absorbed by material damping.
@@ -242,6 +333,9 @@ pub struct EnergyBalance {
     /// Absorbed by bearings.
     #[serde(rename = "bearings_J")]
     pub bearings_j: f64,
+    /// Taken by friction at stators; only with stators.
+    #[serde(rename = "friction_J", skip_serializing_if = "Option::is_none")]
+    pub friction_j: Option<f64>,
     /// What the integrator lost (positive) or made (negative).
     #[serde(rename = "numerical_dissipation_J")]
     pub numerical_dissipation_j: f64,

@@ -22,6 +22,7 @@ mod nonlinear;
 mod plots;
 mod published;
 mod ring;
+mod rub;
 mod scale;
 mod spinup;
 mod structural;

@@ -83,7 +83,15 @@ fn do_not_overlap(labels: &[Label]) {
 fn figures_of_statics_and_spin_up_are_complete() {
     use rotor::run::{Analysis, run};
     type Figure<'a> = (&'a str, &'a [&'a str]);
-    let wanted: [(&str, Analysis, &[Figure<'_>]); 3] = [
+    let wanted: [(&str, Analysis, &[Figure<'_>]); 4] = [
+        (
+            "rub-ring",
+            Analysis::Spinup,
+            &[
+                ("spinup-rub.svg", &["Gap", "Normal force", "ring at 0.2 m", "N"]),
+                ("orbit.svg", &["clearance of the ring", "largest radius"]),
+            ],
+        ),
         (
             "table5-cantilever",
             Analysis::Static,

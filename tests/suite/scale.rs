@@ -72,6 +72,11 @@ pub fn scaled(case: &Case, scale: f64) -> LoadedCase {
         for t in [&mut s.until, &mut s.step] {
             t.iter_mut().for_each(|t| t.0 *= scale);
         }
+        for stator in &mut s.stators {
+            length(&mut stator.at);
+            length(&mut stator.clearance);
+            stator.stiffness.0 *= scale;
+        }
     }
     if let Some(c) = &mut case.campbell {
         c.speeds.from = Speed(c.speeds.from.0 / scale);

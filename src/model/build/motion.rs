@@ -3,7 +3,9 @@
 use super::Input;
 use crate::case;
 use crate::error::Result;
-use crate::model::{Frame, Integrator, Phase, Quadrature, SpinupSettings, StaticSettings};
+use crate::model::mesh::Mesh;
+use crate::model::{Frame, Integrator, Phase, Quadrature, SpinupSettings, StaticSettings, Stator};
+use crate::section::Section;
 
 /// Longest simulation, s.
 const LONGEST: f64 = 1e9;
@@ -46,7 +48,7 @@ impl Input<'_> {
         Ok(StaticSettings { load_steps, max_iterations, tolerance: s.tolerance })
     }
 
-    pub(super) fn spinup(&self) -> Result<Option<SpinupSettings>> {
+    pub(super) fn spinup(&self, mesh: &Mesh, sections: &[Section]) -> Result<Option<SpinupSettings>> {
         let Some(s) = &self.case.spinup else { return Ok(None) };
         let at = |key: &str| format!("spinup.{key}");
         if s.drive.is_empty() {
@@ -119,7 +121,51 @@ impl Input<'_> {
             max_steps: s.max_steps as usize,
             output: s.output as usize,
             steady: s.steady,
+            stators: self.stators(s, mesh, sections)?,
         }))
+    }
+
+    fn stators(&self, s: &case::Spinup, mesh: &Mesh, sections: &[Section]) -> Result<Vec<Stator>> {
+        /// Most friction: steel that seizes stays below.
+        const SEIZED: f64 = 10.0;
+        if s.steady && !s.stators.is_empty() {
+            let allowed = "the transient (\"steady\": false), or no stators";
+            return self.fault("spinup.stators", "the steady state knows no contact", allowed);
+        }
+        let length: f64 = mesh.elements.iter().map(|e| e.length).sum();
+        let mut list: Vec<Stator> = Vec::new();
+        for (i, stator) in s.stators.iter().enumerate() {
+            let path = format!("spinup.stators.{i}");
+            let at = |key: &str| format!("{path}.{key}");
+            let x = stator.at.0;
+            self.on_shaft(&at("at"), x, length)?;
+            let node = mesh.node_at(x);
+            let end = mesh.nodes[node].x;
+            if (end - x).abs() > 1e-9 * length {
+                return self.fault(
+                    &at("at"),
+                    "no element ends there, and a ring does not change the mesh",
+                    format!("the nearest element end, {end:.6e} m; or other numbers of elements"),
+                );
+            }
+            let here: Vec<Section> = mesh.sections_at(node).map(|k| sections[k]).collect();
+            if !here.iter().all(Section::is_axisymmetric) {
+                let allowed = "a place where circles or tubes meet";
+                return self.fault(&at("at"), "the gap of a ring is that of a round section", allowed);
+            }
+            let friction = self.not_negative(&at("friction"), stator.friction)?;
+            self.within(&at("friction"), friction, 0.0, SEIZED)?;
+            list.push(Stator {
+                node,
+                at: x,
+                clearance: self.length(&at("clearance"), stator.clearance.0)?,
+                stiffness: self.positive(&at("stiffness"), stator.stiffness.0)?,
+                friction,
+                radius: here.iter().map(Section::outer_size).fold(0.0, f64::max),
+                path,
+            });
+        }
+        Ok(list)
     }
 
     /// A drive with speed needs an end that it turns, and none that stands still.
