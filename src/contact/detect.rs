@@ -1,6 +1,6 @@
 //! Which parts of beams may touch, in three phases from coarse to fine.
 //!
-//! 1. [`Candidates`]: pairs of items whose axis-aligned boxes come near each other, from a tree, kept between steps.
+//! 1. [`near_pairs`]: pairs of items whose axis-aligned boxes come near each other, from a tree.
 //! 2. [`OrientedBox::separated`]: the separating axis test of the boxes along the parts.
 //! 3. [`clip`]: Cyrus and Beck's clipping of a segment, the starting guess of a projection.
 //!
