@@ -90,7 +90,7 @@ pub fn run(
     watch: analysis::spinup::Watch<'_>,
 ) -> Result<Finished> {
     if analysis == Analysis::Contact {
-        return contact(loaded, watch);
+        return contact(loaded, plots, watch);
     }
     let model = Model::new(loaded)?;
     match analysis {
@@ -148,7 +148,7 @@ pub fn run(
 }
 
 /// A scene of beams in contact.
-fn contact(loaded: &LoadedCase, watch: analysis::spinup::Watch<'_>) -> Result<Finished> {
+fn contact(loaded: &LoadedCase, plots: bool, watch: analysis::spinup::Watch<'_>) -> Result<Finished> {
     let scene = Scene::new(loaded)?;
     if let Some(overlap) = analysis::contact::overlap(&scene)? {
         let (a, b) = overlap.bodies;
@@ -160,7 +160,8 @@ fn contact(loaded: &LoadedCase, watch: analysis::spinup::Watch<'_>) -> Result<Fi
         ));
     }
     let report = report(loaded, analysis::contact::contact(&scene, watch)?);
-    let mut finished = finish(&report, Vec::new(), table::contact(&report.results))?;
+    let svg = if plots { plot::contact::svg(&report)? } else { Vec::new() };
+    let mut finished = finish(&report, svg, table::contact(&report.results))?;
     finished.cost = serde_json::to_value(report.results.cost).ok();
     Ok(finished)
 }

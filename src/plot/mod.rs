@@ -2,6 +2,7 @@
 //! the same results always give the same bytes. All figures share the look defined in [`style`].
 
 pub mod campbell;
+pub mod contact;
 pub mod modes;
 pub mod motion;
 pub mod panels;

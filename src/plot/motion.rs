@@ -147,6 +147,7 @@ fn orbit(report: &Report<Spinup>, h: &History) -> Result<String> {
         curves,
         marks: marks.into_iter().flatten().collect(),
         equal: true,
+        ..Panel::default()
     };
     let remarks = "Fixed directions, equal scales; the x axis points to the viewer's back.".to_owned();
     figure(&Surroundings::new(report, "Orbit", remarks), &[panel], 1)
@@ -249,6 +250,6 @@ fn outline(profile: &Profile) -> (Panel, String) {
                 .collect(),
         });
     }
-    let panel = Panel { across: ("z", "m"), up: ("y", "m"), curves, marks: Vec::new(), equal: true };
+    let panel = Panel { across: ("z", "m"), up: ("y", "m"), curves, equal: true, ..Panel::default() };
     (panel, if scale < 1e6 { format!("{scale}") } else { format!("{scale:.0e}") })
 }

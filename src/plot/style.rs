@@ -35,6 +35,8 @@ pub const DARK_GREY: Color = RGBColor(80, 80, 80);
 pub const GREY: Color = RGBColor(130, 130, 130);
 /// Grid lines.
 pub const LIGHT_GREY: Color = RGBColor(226, 226, 226);
+/// Backgrounds of what is told apart.
+pub const PALE_GREY: Color = RGBColor(238, 238, 238);
 /// Band under unstable stretches.
 pub const LIGHT_RED: Color = RGBColor(244, 160, 160);
 /// Backgrounds of what is unstable.

@@ -138,6 +138,10 @@ pub struct ContactHistory {
     pub gap_m: Vec<Vec<Option<f64>>>,
     /// Size of the resultant force of each pair.
     pub force_n: Vec<Vec<f64>>,
+    /// Of each pair, for drawing: time, largest penetration and force of every step in contact, with zeros where it begins and
+    /// ends.
+    #[serde(skip)]
+    pub touches: Vec<Vec<[f64; 3]>>,
     /// Kinetic energy.
     pub kinetic_j: Vec<f64>,
     /// Strain energy.
@@ -161,6 +165,8 @@ pub struct ContactHistory {
 pub struct Snapshot {
     /// What instant.
     pub label: String,
+    /// Names of the axes of the plane it is seen in, across and upwards.
+    pub axes: [&'static str; 2],
     /// Closed outlines of the bodies, m.
     pub outlines: Vec<Vec<[f64; 2]>>,
 }

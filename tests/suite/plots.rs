@@ -128,6 +128,63 @@ fn figures_of_statics_and_spin_up_are_complete() {
     }
 }
 
+fn of_scene(stem: &str, settings: serde_json::Value) -> Vec<(String, Vec<Label>)> {
+    use rotor::run::{Analysis, run};
+    let case = crate::common::with(&crate::common::case(stem), serde_json::json!({ "contact": settings }));
+    let finished = run(&case, Analysis::Contact, true, &|_| (), &|_, _| true).unwrap();
+    finished.plots.into_iter().map(|(name, svg)| (name, labels(&svg))).collect()
+}
+
+/// The figures of contact, of real runs: what they must show, and what has no place in them.
+#[test]
+fn figures_of_contact_are_complete() {
+    type Figure<'a> = (&'a str, &'a [&'a str], &'a [&'a str]);
+    let resting = serde_json::json!({});
+    let cost: Figure<'_> = ("contact-cost.svg", &["search", "elements", "equations", " s, "], &[]);
+    let wanted: [(&str, serde_json::Value, &[Figure<'_>]); 4] = [
+        (
+            "corner-to-side",
+            serde_json::json!({ "until": 0.024, "snapshots": 4 }),
+            &[
+                ("contact-scene.svg", &["0.0240 s", "upper", "lower", "x (m)", "y (m)"], &["undeformed"]),
+                ("contact-gap.svg", &["Smallest gap (m)", "Penetration", "Contact force", "Tinted"], &[]),
+                ("contact-energy.svg", &["kinetic", "strain", "gravity", "contact springs"], &["work of"]),
+                cost,
+            ],
+        ),
+        (
+            "corner-to-side",
+            serde_json::json!({ "until": 0.001, "method": "none" }),
+            &[
+                ("contact-gap.svg", &["Smallest gap", "No contact."], &["Contact force", "Penetration"]),
+                ("contact-energy.svg", &["kinetic"], &["strain", "contact springs"]),
+            ],
+        ),
+        (
+            "double-cantilever",
+            resting.clone(),
+            &[("contact-scene.svg", &["undeformed", "equilibrium", "upper", "lower"], &["seen in"]), cost],
+        ),
+        (
+            "crossing-cantilevers",
+            resting,
+            &[("contact-scene.svg", &["seen in x-y", "seen in x-z", "z (m)"], &[]), cost],
+        ),
+    ];
+    for (stem, settings, figures) in wanted {
+        let drawn = of_scene(stem, settings);
+        for (name, words, absent) in figures {
+            let labels = &drawn.iter().find(|(file, _)| file == name).unwrap().1;
+            do_not_overlap(labels);
+            let texts: Vec<String> = labels.iter().map(|(text, _)| text.clone()).collect();
+            words.iter().for_each(|word| assert!(shows(&texts, word), "{stem} {name}: {word} in {texts:?}"));
+            absent.iter().for_each(|word| {
+                assert!(!texts.iter().any(|text| text.starts_with(word)), "{stem} {name}: {word}");
+            });
+        }
+    }
+}
+
 fn shows(texts: &[String], words: &str) -> bool {
     texts.iter().any(|text| text.contains(words))
 }

@@ -11,10 +11,10 @@ use crate::contact::search::{Counts, Key, Search};
 use crate::contact::spatial;
 use crate::error::Result;
 use crate::model::scene::{Action, Enforcement, Scene};
-use crate::results::{BodyState, Contact, ContactHistory, Diagnostic, ModelSummary, PairState, Snapshot};
+use crate::results::{BodyState, Contact, ContactHistory, Diagnostic, ModelSummary, PairState};
 use equilibrium::Equilibrium;
 use motion::Motion;
-use record::{Recorder, due, kind, outlines, pairs};
+use record::{Recorder, due, kind, pairs, views};
 use std::time::Instant;
 
 /// Called with the share of the run that is done and a line on where it is; false stops the run.
@@ -256,9 +256,8 @@ fn resting(bodies: &Bodies<'_>, watch: Watch<'_>) -> Result<Outcome<Contact>> {
     let mut model = summary(bodies);
     model.left_out.push("inertia and damping: an equilibrium".to_owned());
     let deepest = state.springs.iter().map(Spring::penetration).fold(0.0, f64::max);
-    let snapshots = [(bodies.reference(), "undeformed"), (&state.q[..], "equilibrium")]
-        .map(|(q, label)| Snapshot { label: label.to_owned(), outlines: outlines(bodies, q) })
-        .to_vec();
+    let mut snapshots = views(bodies, bodies.reference(), "undeformed");
+    snapshots.extend(views(bodies, &state.q, "equilibrium"));
     let results = Contact {
         method: scene.contact.method.name(),
         integrator: None,

@@ -3,12 +3,16 @@
 use crate::contact::bodies::{Bodies, Motion as Momenta};
 use crate::contact::boundary::{faces, on_curve};
 use crate::contact::search::Search;
-use crate::model::scene::{Face, Scene};
+use crate::model::scene::{Body, Face, Scene};
 use crate::results::{ContactEvent, ContactHistory, PairState, Snapshot};
 use nalgebra::Vector3;
+use std::f64::consts::{PI, TAU};
 
-/// Points of a drawn curve.
+/// Points of a drawn curve and of a drawn section.
 const DRAWN: usize = 4;
+const CIRCLE: usize = 48;
+/// Share of its length below which a body's axis is seen end on.
+const END_ON: f64 = 0.2;
 /// Bodies of a scene all of whose pairs are followed; of larger ones the pairs that have touched.
 const FOLLOWED: usize = 6;
 /// Share of a step that a time may miss an output by.
@@ -170,6 +174,7 @@ impl<'a> Recorder<'a> {
         self.history.pairs.push(names.clone());
         self.history.gap_m.push(vec![None; rows]);
         self.history.force_n.push(vec![0.0; rows]);
+        self.history.touches.push(Vec::new());
         self.pairs.push(Pair {
             bodies: (a, b),
             names,
@@ -199,7 +204,7 @@ impl<'a> Recorder<'a> {
                 self.follow(touch.pair());
             }
         }
-        for pair in &mut self.pairs {
+        for (pair, drawn) in self.pairs.iter_mut().zip(&mut self.history.touches) {
             let (a, b) = pair.bodies;
             let of_pair = |t: &&Touch| t.pair() == (a, b);
             let own: Vec<&Touch> = touches.iter().filter(of_pair).collect();
@@ -212,9 +217,14 @@ impl<'a> Recorder<'a> {
             let Some(first) = own.first() else {
                 if let Some(event) = pair.open.take() {
                     self.events[event].until_s = Some(pair.opened);
+                    drawn.push([t, 0.0, 0.0]);
                 }
                 continue;
             };
+            if pair.open.is_none() {
+                drawn.push([begin, 0.0, 0.0]);
+            }
+            drawn.push([t, pair.penetration, pair.force.norm()]);
             let index = *pair.open.get_or_insert_with(|| {
                 pair.kinds = [false; 2];
                 let [slave, master] = first.positions;
@@ -299,7 +309,7 @@ impl<'a> Recorder<'a> {
 
     /// Draws the scene.
     pub fn snapshot(&mut self, bodies: &Bodies<'_>, t: f64, q: &[f64]) {
-        self.snapshots.push(Snapshot { label: format!("{t:.4} s"), outlines: outlines(bodies, q) });
+        self.snapshots.extend(views(bodies, q, &format!("{t:.4} s")));
     }
 
     /// Largest and last change of the total energy over the largest kinetic energy.
@@ -319,39 +329,56 @@ impl<'a> Recorder<'a> {
     }
 }
 
-/// Closed outlines of all bodies in the plane of x and y; of a spatial body the strip of its height around its axis.
-pub fn outlines(bodies: &Bodies<'_>, q: &[f64]) -> Vec<Vec<[f64; 2]>> {
-    let scene = bodies.scene;
-    let mut list = vec![Vec::new(); scene.bodies.len()];
-    if scene.is_planar() {
-        for face in faces(bodies) {
-            let points = face.points(q);
-            let drawn = if matches!(face.place, Face::Top | Face::Bottom) { DRAWN } else { 1 };
-            for k in 0..drawn {
-                let x = on_curve(&points, 2.0 * k as f64 / drawn as f64 - 1.0);
-                list[face.body].push([x.x, x.y]);
-            }
-        }
-        return list;
+/// The scene as it is drawn: in the plane of x and y, in space also in that of x and z.
+pub fn views(bodies: &Bodies<'_>, q: &[f64], label: &str) -> Vec<Snapshot> {
+    let snapshot = |axes, outlines| Snapshot { label: label.to_owned(), axes, outlines };
+    if bodies.scene.is_planar() {
+        return vec![snapshot(["x", "y"], planar_outlines(bodies, q))];
     }
-    for (i, body) in scene.bodies.iter().enumerate() {
-        let axis: Vec<[f64; 2]> =
-            (0..body.nodes()).map(|n| bodies.node(i, n)).map(|at| [q[at], q[at + 1]]).collect();
-        let half = body.height / 2.0;
-        let side = |k: usize, sign: f64| {
-            let (a, b) = (axis[k.saturating_sub(1)], axis[(k + 1).min(axis.len() - 1)]);
-            let t = [b[0] - a[0], b[1] - a[1]];
-            let length = t[0].hypot(t[1]);
-            // an axis that stands on the plane is seen as a square
-            if length < half * 1e-6 {
-                return [axis[k][0] + sign * half, axis[k][1] + if k == 0 { half } else { -half }];
-            }
-            [axis[k][0] - sign * half * t[1] / length, axis[k][1] + sign * half * t[0] / length]
-        };
-        list[i].extend((0..axis.len()).map(|k| side(k, -1.0)));
-        list[i].extend((0..axis.len()).rev().map(|k| side(k, 1.0)));
+    let along =
+        |seen| bodies.scene.bodies.iter().enumerate().map(|(i, _)| strip(bodies, q, i, seen)).collect();
+    vec![snapshot(["x", "y"], along([0, 1])), snapshot(["x", "z"], along([0, 2]))]
+}
+
+/// Closed outlines of planar bodies.
+fn planar_outlines(bodies: &Bodies<'_>, q: &[f64]) -> Vec<Vec<[f64; 2]>> {
+    let mut list = vec![Vec::new(); bodies.scene.bodies.len()];
+    for face in faces(bodies) {
+        let points = face.points(q);
+        let drawn = if matches!(face.place, Face::Top | Face::Bottom) { DRAWN } else { 1 };
+        for k in 0..drawn {
+            let x = on_curve(&points, 2.0 * k as f64 / drawn as f64 - 1.0);
+            list[face.body].push([x.x, x.y]);
+        }
     }
     list
+}
+
+/// Closed outline of a round body seen along an axis of coordinates: a strip of its diameter around its axis; where it is seen
+/// end on, the section moved from the start to the end.
+fn strip(bodies: &Bodies<'_>, q: &[f64], body: usize, [across, up]: [usize; 2]) -> Vec<[f64; 2]> {
+    let Body { height, length, .. } = bodies.scene.bodies[body];
+    let half = height / 2.0;
+    let places = (0..bodies.scene.bodies[body].nodes()).map(|n| bodies.node(body, n));
+    let axis: Vec<[f64; 2]> = places.map(|at| [q[at + across], q[at + up]]).collect();
+    let (first, last) = (axis[0], axis[axis.len() - 1]);
+    let chord = [last[0] - first[0], last[1] - first[1]];
+    if chord[0].hypot(chord[1]) < END_ON * length {
+        let towards = chord[1].atan2(chord[0]);
+        let point = |k: usize| {
+            let angle = towards - PI / 2.0 + TAU * k as f64 / CIRCLE as f64;
+            let center = if 2 * k <= CIRCLE { last } else { first };
+            [center[0] + half * angle.cos(), center[1] + half * angle.sin()]
+        };
+        return (0..CIRCLE).map(point).collect();
+    }
+    let side = |k: usize, sign: f64| {
+        let (a, b) = (axis[k.saturating_sub(1)], axis[(k + 1).min(axis.len() - 1)]);
+        let t = [b[0] - a[0], b[1] - a[1]];
+        let scaled = sign * half / t[0].hypot(t[1]).max(f64::MIN_POSITIVE);
+        [axis[k][0] - scaled * t[1], axis[k][1] + scaled * t[0]]
+    };
+    (0..axis.len()).map(|k| side(k, -1.0)).chain((0..axis.len()).rev().map(|k| side(k, 1.0))).collect()
 }
 
 /// Whether a time has come, up to rounding.
