@@ -317,17 +317,34 @@ fn two_bars_meet_for_twice_the_time_of_a_wave() {
         let a = 2.0 * factor * SOFT * 0.01 / (0.01 * (SOFT * 7850.0).sqrt());
         let exact = 1.0 + 1.67835 / (a * wave);
         assert!((time - exact).abs() < tolerance, "{factor}: {time} instead of {exact}");
-        if factor >= 20.0 {
-            assert!((time - 1.0).abs() < 0.022, "{factor}: {time}");
-        }
         let history = result.history.as_ref().expect("a history");
         let speed = history.velocity_m_s[1].last().expect("a row")[0];
-        assert!(
-            speed > if factor > 10.0 { 0.985 } else { 0.98 } && speed < 1.0,
-            "{factor}: restitution {speed}"
-        );
+        assert!(speed > 0.985 && speed < 1.0, "{factor}: restitution {speed}");
         assert!(result.energy_error.expect("energies") < 1e-9, "{:?}", result.energy_error);
         assert!(result.momentum_residual.expect("free bodies") < 1e-9);
+    }
+}
+
+/// The same as the prototype measured it, between the first and the last instant of penetration: 1.20, 1.017 and 1.00. Of stiff
+/// contact the mass centres keep 0.99 of their speed.
+#[test]
+fn two_bars_meet_as_in_the_prototype() {
+    let bars = case("bar-impact");
+    let wave = 2.0 / (SOFT / 7850.0_f64).sqrt();
+    for (factor, step, figure) in [(2.0, 2e-4, 1.20), (20.0, 2e-4, 1.017), (200.0, 1e-4, 1.00)] {
+        let output = (0.05_f64 / step).round() as u32 + 1;
+        let set = json!({ "contact.penalty": factor * SOFT, "contact.step": step, "contact.output": output });
+        let history = run(&with(&bars, set)).history.expect("a history");
+        let closed = |gap: &Option<f64>| gap.is_some_and(|g| g < 0.0);
+        let ends = [history.gap_m[0].iter().position(closed), history.gap_m[0].iter().rposition(closed)];
+        let [first, last] = ends.map(|row| history.time_s[row.expect("contact")]);
+        let time = (last - first) / wave;
+        assert!((time - figure).abs() < 0.01, "{factor}: {time}");
+        if factor >= 20.0 {
+            assert!((time - 1.0).abs() < 0.02, "{factor}: {time}");
+            let speed = history.velocity_m_s[1].last().expect("a row")[0];
+            assert!(speed > 0.99 && speed < 1.0, "{factor}: restitution {speed}");
+        }
     }
 }
 
