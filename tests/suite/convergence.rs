@@ -115,7 +115,14 @@ rings with degree 1 are 10 % too high, with degree 2 or more they do not lock. `
     }
     keep("docs/convergence.md", &text);
     let meshes = || MESHES.map(|n| n as f64).to_vec();
-    let panel = |title, across, places, curves, slope| Panel { title, across, places, curves, slope };
+    let panel = |title, across, places, curves, slope| Panel {
+        title,
+        across,
+        places,
+        curves,
+        range: [-12.0, 3.0],
+        slope,
+    };
     let figure = svg(
         "Convergence with the mesh: orders 1 to 5",
         &[

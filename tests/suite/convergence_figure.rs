@@ -14,16 +14,16 @@ pub struct Panel {
     /// Places of the errors, and whether they are drawn by their logarithm.
     pub places: Vec<f64>,
     pub curves: Vec<Curve>,
+    /// Logarithms of the least and the largest error that are drawn.
+    pub range: [f64; 2],
     /// A slope to compare with, and its name.
     pub slope: Option<(f64, &'static str)>,
 }
 
-/// Logarithms of the least and the largest error that are drawn.
-const RANGE: [f64; 2] = [-12.0, 3.0];
 const FRAME: (f64, f64) = (430.0, 380.0);
 const LEFT: f64 = 84.0;
 
-/// Two panels side by side.
+/// Panels side by side.
 pub fn svg(title: &str, panels: &[Panel]) -> String {
     let width = panels.len() as f64 * (FRAME.0 + LEFT + 16.0) + 16.0;
     let rows = panels.iter().map(|p| p.curves.len().div_ceil(4)).max().unwrap_or(0) as f64;
@@ -46,9 +46,10 @@ fn draw(canvas: &mut style::Canvas<'_>, panel: &Panel, frame: Rect) {
     let (first, last) = (logs[0], logs[logs.len() - 1]);
     let margin = 0.06 * frame.width();
     let x = |log: f64| left + margin + (log - first) / (last - first) * (frame.width() - 2.0 * margin);
-    let y = |log: f64| bottom - (log - RANGE[0]) / (RANGE[1] - RANGE[0]) * frame.height();
+    let [low, high] = panel.range;
+    let y = |log: f64| bottom - (log - low) / (high - low) * frame.height();
     let (font, grid) = (Font::new(12.0), Stroke::solid(style::GREY, 0.4));
-    for decade in (RANGE[0] as i32..=RANGE[1] as i32).step_by(2) {
+    for decade in (low as i32..=high as i32).step_by(if high - low > 8.0 { 2 } else { 1 }) {
         let at = y(f64::from(decade));
         canvas.path(&[(left, at), (left + frame.width(), at)], grid);
         canvas.text((left - 8.0, at), &format!("1e{decade}"), font, HPos::Right);
@@ -79,7 +80,7 @@ fn draw(canvas: &mut style::Canvas<'_>, panel: &Panel, frame: Rect) {
             .iter()
             .zip(errors)
             .filter(|(_, e)| inside(e))
-            .map(|(log, e)| (x(*log), y(e.abs().max(1e-300).log10().clamp(RANGE[0], RANGE[1]))))
+            .map(|(log, e)| (x(*log), y(e.abs().max(1e-300).log10().clamp(low, high))))
             .collect();
         // the symbols begin anew, in black
         let color = if k < MARKERS.len() { style::BLUE } else { style::BLACK };
