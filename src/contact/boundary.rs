@@ -15,7 +15,7 @@ const ROOT_STEPS: usize = 80;
 /// Distance of a point from the normal at an end of a curve, relative to its gap, within which that end is its foot.
 const FOOT: f64 = 1e-9;
 /// Cosine between the normals of two curves that face each other, at most.
-const FACING: f64 = -0.2;
+pub const FACING: f64 = -0.2;
 /// The same, relative to the curve.
 const ON_KINK: f64 = 1e-12;
 
@@ -176,6 +176,8 @@ pub struct Hit {
     pub gap: f64,
     /// Outward normal.
     pub normal: Vector3<f64>,
+    /// What the distance is multiplied by.
+    pub scale: f64,
     /// True when the point lies outside and nearest to a corner: no contact can act.
     pub at_corner: bool,
 }
@@ -207,8 +209,15 @@ pub fn gap(faces: &[Face], near: &[usize], q: &[f64], x: &Vector3<f64>, reach: R
             continue;
         }
         let own = normal(&points, zeta);
-        let mut hit =
-            Hit { face: index, zeta, slides: true, gap: own.dot(&from), normal: own, at_corner: false };
+        let mut hit = Hit {
+            face: index,
+            zeta,
+            slides: true,
+            gap: own.dot(&from),
+            normal: own,
+            scale: 1.0,
+            at_corner: false,
+        };
         let aside = (from - own * hit.gap).norm();
         if zeta.abs() == 1.0 && aside > ON_KINK * face.length + FOOT * distance {
             let neighbour = if zeta > 0.0 { face.next } else { face.previous };
@@ -237,6 +246,7 @@ pub fn differentiable(faces: &[Face], slave: (usize, f64), hit: &Hit) -> Gap {
     Gap {
         value: hit.gap,
         normal: hit.normal,
+        scale: hit.scale,
         slave: faces[slave.0].point(slave.1),
         master: faces[hit.face].point(hit.zeta),
         free: Free { master: [hit.slides, false], slave: [false; 2] },

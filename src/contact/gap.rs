@@ -60,6 +60,8 @@ pub struct Gap {
     pub value: f64,
     /// Outward normal n of the master.
     pub normal: Vector3<f64>,
+    /// What the distance is multiplied by: 1 but on the way out past an end of the master.
+    pub scale: f64,
     /// The point that may penetrate.
     pub slave: Point,
     /// The nearest point of the other boundary.
@@ -84,9 +86,14 @@ impl Gap {
         slave.chain(self.master.vectors.iter().map(|(first, w)| (*first, -w[0]))).collect()
     }
 
+    /// `scale n`: the gap's change by that of `x_s - x_m`.
+    pub fn pull(&self) -> Vector3<f64> {
+        self.normal * self.scale
+    }
+
     /// `dg/dq`: coordinate and value; coordinates may come twice.
     pub fn gradient(&self, components: usize) -> Vec<(usize, f64)> {
-        along(&self.difference(), &self.normal, components)
+        along(&self.difference(), &self.pull(), components)
     }
 
     /// The free parameters of master and slave.
@@ -108,7 +115,7 @@ impl Gap {
         let of_n = master.len() + slave.len();
         let mut a = DMatrix::zeros(of_n + across.len(), of_n + across.len());
         for i in 0..across.len() {
-            a[(of_n + i, of_n + i)] = -self.value;
+            a[(of_n + i, of_n + i)] = -self.value / self.scale;
         }
         for (start, point, list, sign) in
             [(0, &self.master, &master, -1.0), (master.len(), &self.slave, &slave, 1.0)]
@@ -165,7 +172,7 @@ impl Gap {
         let coordinates: Vec<usize> =
             vectors.flat_map(|(first, _)| (0..components).map(move |c| first + c)).collect();
         let matrix = match a.lu().solve(&b) {
-            Some(x) if x.iter().all(|v| v.is_finite()) => -(b.transpose() * x),
+            Some(x) if x.iter().all(|v| v.is_finite()) => b.transpose() * x * -self.scale,
             _ => DMatrix::zeros(columns, columns),
         };
         Block { coordinates, matrix }

@@ -111,9 +111,9 @@ pub fn add_average(
             }
         }
         let squared = d.norm_squared();
-        let miss = change - gap.normal.dot(&d);
+        let miss = change - gap.pull().dot(&d);
         let share = if squared > 1e-30 { miss / squared } else { 0.0 };
-        let direction = gap.normal + d * share;
+        let direction = gap.pull() + d * share;
         let gradient = along(&weights, &direction, components);
         gradient.iter().for_each(|(k, value)| force[*k] += phi * value);
         let Some(entries) = entries.as_deref_mut() else { continue };
@@ -141,7 +141,7 @@ pub fn add_average(
         if squared > 1e-30 {
             // share d: its direction turns with d, its size with both gaps
             let turned = along(&weights, &d, components);
-            let plain = along(&weights, &gap.normal, components);
+            let plain = along(&weights, &gap.pull(), components);
             for (row, value) in &turned {
                 for (column, by) in &stroke.gradient {
                     add(*row, *column, phi * value * by / squared);

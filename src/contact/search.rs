@@ -8,12 +8,12 @@
 //! Source: docs/theory.md section 13.
 
 use super::bodies::Bodies;
-use super::boundary::{Face, Hit, Reach, differentiable, faces, gap, normal, on_curve};
+use super::boundary::{FACING, Face, Hit, Reach, differentiable, faces, gap, normal, on_curve};
 use super::detect::{Aabb, OrientedBox, bezier, clip, near_pairs};
 use super::penalty::Spring;
-use crate::model::scene::{ContactSettings, Enforcement, Scene};
+use crate::model::scene::{ContactSettings, Enforcement, Face as Place, Scene};
 use nalgebra::Vector3;
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 /// Gauss points of an integration segment.
 const GAUSS: [(f64, f64); 4] = [
@@ -34,6 +34,8 @@ const STRIDE: f64 = 0.2;
 const NEIGHBOURS: f64 = 3.0;
 /// Penetration in heights beyond which a curve is not the one that a point of a line has passed through.
 const LAYER: f64 = 0.45;
+/// What the distance to a boundary is multiplied by on the way out past an end of the side that a point faces.
+const EXIT: f64 = 10.0;
 /// Points on each curve where it is seen whether bodies overlap at the start.
 const OVERLAP_POINTS: usize = 9;
 
@@ -59,6 +61,22 @@ pub struct Probe {
     pub weight: f64,
     /// What it stands for.
     pub kind: Kind,
+    /// What it may touch.
+    onto: Onto,
+}
+
+/// What a probe may touch of the body that it is watched against. Decided while it is apart, so that its energy has no steps
+/// while it is in contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Onto {
+    /// Not decided yet.
+    Unknown,
+    /// Nothing: another probe carries the contact.
+    Nothing,
+    /// Whatever is nearest.
+    Nearest,
+    /// The side that it faces.
+    Side(Place),
 }
 
 /// What tells one probe from another: curve, parameter (its bits), body that it may penetrate.
@@ -92,8 +110,6 @@ pub struct Search {
     pub faces: Vec<Face>,
     /// Probes of curves that are near something, in the order of the curves.
     pub probes: Vec<Probe>,
-    /// Corners (curve and body) that are left to the line beside them.
-    idle: BTreeSet<(usize, usize)>,
     /// Per curve: near curves by body, those of one body together.
     near: Vec<Vec<(usize, Vec<usize>)>>,
     any: bool,
@@ -121,7 +137,6 @@ impl Search {
             near: vec![Vec::new(); faces.len()],
             faces,
             probes: Vec::new(),
-            idle: BTreeSet::new(),
             any: false,
             margin: -1.0,
             built: Vec::new(),
@@ -148,11 +163,12 @@ impl Search {
                         target,
                         weight: scene.contact.point_penalty[face.body] * share,
                         kind: Kind::Corner,
+                        onto: Onto::Unknown,
                     });
                 } else if line && at_nodes {
                     list.push(node_probe(index, 1.0, target));
                 }
-                if line && at_nodes && face.along[0] != face.along[1] {
+                if line && at_nodes {
                     list.push(node_probe(index, 0.0, target));
                 }
             }
@@ -179,6 +195,7 @@ impl Search {
                     target,
                     weight: per_length * half * w,
                     kind: Kind::Line,
+                    onto: Onto::Unknown,
                 });
             }
         }
@@ -191,11 +208,25 @@ impl Search {
             return 0.0;
         }
         let list = self.make_probes(scene, |index, target| self.cuts(index, target, q));
-        let before = std::mem::replace(&mut self.probes, list);
+        let before = self.replace_probes(list);
         if before.len() != self.probes.len() {
             return f64::INFINITY;
         }
         before.iter().zip(&self.probes).map(|(a, b)| (a.slave.1 - b.slave.1).abs()).fold(0.0, f64::max)
+    }
+
+    /// Takes new probes; those that were there go on with what they may touch. Returns the old ones.
+    fn replace_probes(&mut self, mut list: Vec<Probe>) -> Vec<Probe> {
+        let alike = |(a, b): (&Probe, &Probe)| (a.slave.0, a.target, a.kind) == (b.slave.0, b.target, b.kind);
+        if list.len() == self.probes.len() && list.iter().zip(&self.probes).all(alike) {
+            list.iter_mut().zip(&self.probes).for_each(|(new, old)| new.onto = old.onto);
+        } else {
+            let known: BTreeMap<Key, Onto> = self.probes.iter().map(|p| (p.key(), p.onto)).collect();
+            for probe in &mut list {
+                probe.onto = known.get(&probe.key()).copied().unwrap_or(Onto::Unknown);
+            }
+        }
+        std::mem::replace(&mut self.probes, list)
     }
 
     /// Where the ends of near curves of a body project on a curve.
@@ -351,20 +382,34 @@ impl Search {
             }
         }
         self.any = self.counts.narrow > 0;
-        self.probes = self.make_probes(scene, |_, _| Vec::new());
+        let probes = self.make_probes(scene, |_, _| Vec::new());
+        self.replace_probes(probes);
         self.margin = margin;
         self.built = q.to_vec();
     }
 
-    /// Gap of a probe in the state `q`; `None` when it is idle or nothing that counts is near.
+    /// Gap of a probe in the state `q`; `None` when it touches nothing or nothing is near.
     pub fn gap(&self, bodies: &Bodies<'_>, probe: &Probe, q: &[f64]) -> Option<Hit> {
         let near = self.near(probe);
-        if near.is_empty()
-            || (probe.kind == Kind::Corner && self.idle.contains(&(probe.slave.0, probe.target)))
-        {
-            return None;
+        match probe.onto {
+            _ if near.is_empty() => None,
+            Onto::Nothing => None,
+            Onto::Side(place) => self.gap_to_side(probe.slave, near, place, q),
+            Onto::Nearest | Onto::Unknown => self.gap_at(bodies, probe.slave, probe.target, near, q),
         }
-        self.gap_at(bodies, probe.slave, probe.target, near, q)
+    }
+
+    /// Gap to the side that a point faces, or to where it leaves the body past an end of that side: the lesser of the depth below
+    /// the side and [`EXIT`] times the distance to the whole boundary, which goes to zero on every way out.
+    fn gap_to_side(&self, slave: (usize, f64), near: &[usize], place: Place, q: &[f64]) -> Option<Hit> {
+        let nearest = self.gap_to_any(slave, near, q)?;
+        if nearest.gap >= 0.0 || self.faces[nearest.face].place == place {
+            return Some(nearest);
+        }
+        let side: Vec<usize> = near.iter().copied().filter(|&f| self.faces[f].place == place).collect();
+        let exit = Hit { gap: EXIT * nearest.gap, scale: EXIT, ..nearest };
+        let below = self.gap_to_any(slave, &side, q).filter(|hit| exit.gap <= hit.gap && hit.gap <= 0.0);
+        Some(below.unwrap_or(exit))
     }
 
     /// A probe's hit as a spring.
@@ -401,19 +446,19 @@ impl Search {
         near: &[usize],
         q: &[f64],
     ) -> Option<Hit> {
+        // the distance to the whole boundary of another body has no steps
+        if self.faces[slave.0].body != target {
+            return self.gap_to_any(slave, near, q);
+        }
         let face = &self.faces[slave.0];
         let points = face.points(q);
-        let depth = LAYER * bodies.scene.bodies[target].height;
-        let mut reach = Reach { normal: Some(normal(&points, slave.1)), depth };
+        let mut n = normal(&points, slave.1);
         let next = &self.faces[face.next];
         if slave.1 == 1.0 && face.corner(next) {
-            // a corner stands between two normals; of another body it may pass through any curve
-            if face.body != target {
-                reach = Reach::ANY;
-            } else {
-                reach.normal = Some(normal(&points, 1.0) + normal(&next.points(q), -1.0));
-            }
+            // a corner stands between two normals
+            n += normal(&next.points(q), -1.0);
         }
+        let reach = Reach { normal: Some(n), depth: LAYER * bodies.scene.bodies[target].height };
         gap(&self.faces, near, q, &on_curve(&points, slave.1), reach)
     }
 
@@ -422,33 +467,64 @@ impl Search {
         gap(&self.faces, near, q, &on_curve(&self.faces[slave.0].points(q), slave.1), Reach::ANY)
     }
 
-    /// Decides for every corner that is apart whether it is a contact of its own: when both its faces stand at more than the
-    /// angle of the settings to the surface it is near.
-    pub fn choose_corners(&mut self, bodies: &Bodies<'_>, q: &[f64]) {
+    /// Gap of every probe in the state `q`, `None` where it touches nothing or nothing is near. Of those that are apart it is
+    /// decided before what they may touch: the side that they are near, if they face it; nothing, if a corner stands with one of
+    /// its faces at less than the angle of the settings to what it is near, for the line beside it carries that contact.
+    pub fn choose(&mut self, bodies: &Bodies<'_>, q: &[f64]) -> Vec<Option<Hit>> {
         if !self.any {
-            return;
+            return Vec::new();
         }
-        let scene = bodies.scene;
-        let limit = scene.contact.corner_angle.sin();
-        let at_nodes = at_nodes(scene);
+        let mut hits = Vec::with_capacity(self.probes.len());
         for k in 0..self.probes.len() {
             let probe = self.probes[k];
-            let face = &self.faces[probe.slave.0];
-            // where nodes carry the line, the corners of the side that integrates are nodes of it
-            if probe.kind != Kind::Corner
-                || (at_nodes && slave_of(scene, face.body, probe.target) == face.body)
-            {
+            let near = self.near(&probe);
+            let hit =
+                if near.is_empty() { None } else { self.gap_at(bodies, probe.slave, probe.target, near, q) };
+            let Some(hit) = hit else {
+                hits.push(None);
                 continue;
+            };
+            let apart = hit.gap >= 0.0;
+            if apart || probe.onto == Onto::Unknown {
+                self.probes[k].onto = self.onto(bodies.scene, &probe, &hit, q);
             }
-            let hit = self.gap_at(bodies, probe.slave, probe.target, self.near(&probe), q);
-            let Some(hit) = hit.filter(|hit| hit.gap >= 0.0) else { continue };
-            let next = &self.faces[face.next];
-            let normals = [normal(&face.points(q), 1.0), normal(&next.points(q), -1.0)];
-            let corner = (probe.slave.0, probe.target);
-            if normals.iter().any(|n| (n.x * hit.normal.y - n.y * hit.normal.x).abs() <= limit) {
-                self.idle.insert(corner);
-            } else {
-                self.idle.remove(&corner);
+            hits.push(match self.probes[k].onto {
+                Onto::Nothing => None,
+                Onto::Side(_) if !apart => self.gap(bodies, &self.probes[k], q),
+                _ => Some(hit),
+            });
+        }
+        hits
+    }
+
+    /// What a probe may touch that is near a place of another boundary.
+    fn onto(&self, scene: &Scene, probe: &Probe, hit: &Hit, q: &[f64]) -> Onto {
+        let face = &self.faces[probe.slave.0];
+        let n = normal(&face.points(q), probe.slave.1);
+        match probe.kind {
+            // what counts of its own body faces it
+            _ if face.body == probe.target && probe.kind != Kind::Corner => Onto::Nearest,
+            Kind::Line | Kind::Node => {
+                let other = &self.faces[hit.face];
+                let neighbour = if hit.zeta > 0.0 { other.next } else { other.previous };
+                let ends = [(hit.face, hit.zeta), (neighbour, -hit.zeta)];
+                let against = ends.map(|(f, zeta)| n.dot(&normal(&self.faces[f].points(q), zeta)));
+                let best = usize::from(hit.at_corner && against[1] < against[0]);
+                if against[best] <= FACING {
+                    Onto::Side(self.faces[ends[best].0].place)
+                } else {
+                    Onto::Nothing
+                }
+            }
+            // where nodes carry the line, the corners of the side that integrates are nodes of it
+            Kind::Corner if at_nodes(scene) && slave_of(scene, face.body, probe.target) == face.body => {
+                Onto::Nearest
+            }
+            Kind::Corner => {
+                let next = normal(&self.faces[face.next].points(q), -1.0);
+                let along = |n: &Vector3<f64>| (n.x * hit.normal.y - n.y * hit.normal.x).abs();
+                let limit = scene.contact.corner_angle.sin();
+                if along(&n).min(along(&next)) <= limit { Onto::Nothing } else { Onto::Nearest }
             }
         }
     }
@@ -539,7 +615,7 @@ fn at_nodes(scene: &Scene) -> bool {
 }
 
 fn node_probe(face: usize, zeta: f64, target: usize) -> Probe {
-    Probe { slave: (face, zeta), target, weight: 0.0, kind: Kind::Node }
+    Probe { slave: (face, zeta), target, weight: 0.0, kind: Kind::Node, onto: Onto::Unknown }
 }
 
 /// Distance of two curves along the axis of their body, m.

@@ -292,6 +292,7 @@ impl Search {
         let mut crossings = 0;
         for _ in 0..STEPS {
             let mut gap = Gap {
+                scale: 1.0,
                 value: 0.0,
                 normal,
                 slave: s.point(bodies, slave, at),

@@ -367,6 +367,34 @@ fn pendulums_keep_their_energy() {
     assert!(result.energy_error.expect("energies") < 1e-8, "{:?}", result.energy_error);
 }
 
+/// So do they with a step that resolves how points slide past corners: what a point in contact may touch has no steps.
+#[test]
+fn pendulums_meet_in_small_steps() {
+    let set = json!({ "contact.until": 0.4985, "contact.step": 5e-5, "contact.output": 2 });
+    let result = run(&with(&case("pendulums"), set));
+    assert!(result.converged && result.solver.cut == 0, "{:?}", result.solver);
+    assert!(result.solver.most_iterations < 12, "{:?}", result.solver);
+    assert!(result.energy_error.expect("energies") < 1e-8, "{:?}", result.energy_error);
+}
+
+/// Equal faces that meet flush part by complementarity too: symmetric, at rest between, after twice the time of a wave.
+#[test]
+fn two_bars_meet_by_complementarity() {
+    let set = json!({ "contact.method": "lcp", "contact.step": 1e-4 });
+    let result = run(&with(&case("bar-impact"), set));
+    let (first, last) = (&result.events[0], result.events.last().expect("an event"));
+    let time = (last.until_s.expect("an end") - first.from_s) / (2.0 / (SOFT / 7850.0_f64).sqrt());
+    assert!((time - 1.0).abs() < 0.02, "{time}");
+    assert!(result.largest_penetration_m < 1e-9, "{:e}", result.largest_penetration_m);
+    let history = result.history.as_ref().expect("a history");
+    for (left, right) in history.ends_m[0].iter().zip(&history.ends_m[1]) {
+        assert!(left[2] < right[0] + 1e-9 && (left[2] + right[0] - 2.001).abs() < 1e-6, "{left:?} {right:?}");
+        assert!(left[3].abs() < 1e-6 && right[1].abs() < 1e-6, "{left:?} {right:?}");
+    }
+    let change = result.energy_change.expect("energies");
+    assert!((-0.02..0.0).contains(&change), "{change}");
+}
+
 /// Interval of contact; the prototype's figure is 0.2258 to 0.2301 s.
 #[test]
 fn side_to_side_interval() {

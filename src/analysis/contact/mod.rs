@@ -55,7 +55,7 @@ impl Detector {
             _ if bodies.scene.contact.method == Enforcement::None => {}
             Self::Planar(search) => {
                 search.prepare(bodies, q, &vec![0.0; q.len()], 1.0);
-                search.choose_corners(bodies, q);
+                search.choose(bodies, q);
             }
             Self::Spatial(search) => search.update(bodies, q),
         }
@@ -300,7 +300,7 @@ fn resting_pairs(bodies: &Bodies<'_>, detector: &Detector, state: &equilibrium::
             kinds[usize::from(!spring.line)] = true;
             pair.penetration_m = pair.penetration_m.max(spring.penetration());
             let sign = if spring.bodies.0 == a { *force } else { -force };
-            (0..3).for_each(|c| pair.force_n[c] += sign * spring.gap.normal[c]);
+            (0..3).for_each(|c| pair.force_n[c] += sign * spring.gap.pull()[c]);
         }
         pair.kind = kind(kinds[0], kinds[1]);
         if pair.penetration_m > 0.0 {

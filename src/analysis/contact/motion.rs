@@ -5,8 +5,8 @@ use super::record::{Energies, Recorder, Touch};
 use crate::contact::bodies::Bodies;
 use crate::contact::boundary::Hit;
 use crate::contact::gap::Gap;
-use crate::contact::penalty::{self, Stroke};
-use crate::contact::search::Search;
+use crate::contact::penalty::{self, Spring, Stroke};
+use crate::contact::search::{Probe, Search};
 use crate::error::{Error, Result};
 use crate::linalg::factor::Ldlt;
 use crate::linalg::lcp::lemke;
@@ -134,10 +134,13 @@ impl<'a> Motion<'a> {
             if parts > 1 {
                 self.search.prepare(self.bodies, &self.q, &self.v, now);
             }
-            self.search.choose_corners(self.bodies, &self.q);
+            let start = Instant::now();
+            let before = self.search.choose(self.bodies, &self.q);
+            self.stats.gaps += before.iter().flatten().count();
+            self.cost.gaps_s += start.elapsed().as_secs_f64();
             let step = match self.bodies.scene.contact.stepping {
-                Stepping::EnergyConsistent => self.consistent(now),
-                Stepping::SemiImplicit => self.semi_implicit(now),
+                Stepping::EnergyConsistent => self.consistent(now, &before),
+                Stepping::SemiImplicit => self.semi_implicit(now, &before),
             };
             match step {
                 Ok(step) => {
@@ -184,10 +187,9 @@ impl<'a> Motion<'a> {
         }
     }
 
-    fn consistent(&mut self, dt: f64) -> std::result::Result<Stepped, Failure> {
+    fn consistent(&mut self, dt: f64, before: &[Option<Hit>]) -> std::result::Result<Stepped, Failure> {
         let (bodies, n) = (self.bodies, self.bodies.len());
         let (q0, v0, unknown) = (self.q.clone(), self.v.clone(), bodies.unknown());
-        let before = self.hits(&q0);
         let mut q1: Vec<f64> = q0.iter().zip(&v0).map(|(q, v)| q + dt * v).collect();
         let (mut force, mut load, mut inertia) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let mut momentum = vec![0.0; n];
@@ -202,7 +204,7 @@ impl<'a> Motion<'a> {
             bodies.loads(&middle, self.t + dt / 2.0, 1.0, &mut load, Some((&mut self.entries, 0.5)));
             self.cost.elements_s += start.elapsed().as_secs_f64();
             let start = Instant::now();
-            let strokes = self.strokes(&before, &q1, &middle);
+            let strokes = self.strokes(before, &q1, &middle);
             let states = [&q0[..], &q1, &middle];
             penalty::add_average(
                 &strokes,
@@ -236,7 +238,7 @@ impl<'a> Motion<'a> {
             if size <= CONVERGED * self.height
                 || (iteration > 6 && size < 1e-9 * self.height && size >= last / 2.0)
             {
-                return self.finish(dt, q0, q1, v0, &before);
+                return self.finish(dt, q0, q1, v0, before);
             }
             last = size;
         }
@@ -275,7 +277,7 @@ impl<'a> Motion<'a> {
                 positions: spring.positions,
                 line: spring.line,
                 penetration: -high,
-                force: spring.gap.normal * (-0.5 * spring.weight * (low + high)),
+                force: spring.gap.pull() * (-0.5 * spring.weight * (low + high)),
                 within: Touch::within(stroke.before, stroke.after),
             });
         }
@@ -341,7 +343,7 @@ impl<'a> Motion<'a> {
         list
     }
 
-    fn semi_implicit(&mut self, dt: f64) -> std::result::Result<Stepped, Failure> {
+    fn semi_implicit(&mut self, dt: f64, before: &[Option<Hit>]) -> std::result::Result<Stepped, Failure> {
         let (bodies, n) = (self.bodies, self.bodies.len());
         let (method, unknown) = (bodies.scene.contact.method, bodies.unknown());
         let mut load = vec![0.0; n];
@@ -350,15 +352,17 @@ impl<'a> Motion<'a> {
         let mut touches = Vec::new();
         if method == Enforcement::Penalty {
             let start = Instant::now();
-            let springs = self.springs(&self.q.clone());
-            self.stats.gaps += springs.len();
+            let closed = |(probe, hit): (&Probe, &Option<Hit>)| {
+                hit.filter(|h| h.gap <= 0.0 && !h.at_corner).map(|hit| self.search.spring(probe, &hit))
+            };
+            let springs: Vec<Spring> = self.search.probes.iter().zip(before).filter_map(closed).collect();
             penalty::add(&springs, &self.q, bodies.components(), unknown, &mut force, None);
             touches.extend(springs.iter().filter(|s| s.gap.value < 0.0).map(|s| Touch {
                 bodies: s.bodies,
                 positions: s.positions,
                 line: s.line,
                 penetration: s.penetration(),
-                force: s.gap.normal * (s.weight * s.penetration()),
+                force: s.gap.pull() * (s.weight * s.penetration()),
                 within: [0.0, 1.0],
             }));
             self.cost.gaps_s += start.elapsed().as_secs_f64();
@@ -372,7 +376,7 @@ impl<'a> Motion<'a> {
         let single = method == Enforcement::LcpSingle;
         let mut contacts = Vec::new();
         if method == Enforcement::Lcp || single {
-            contacts = self.contacts(&v1, dt);
+            contacts = self.contacts(before, |gap, gradient| gap + dt * penalty::rate(gradient, &v1));
             if single {
                 let predicted = |c: &Contact| c.gap.value / dt + penalty::rate(&c.gradient, &v1);
                 contacts.sort_by(|a, b| predicted(a).total_cmp(&predicted(b)));
@@ -395,7 +399,7 @@ impl<'a> Motion<'a> {
                     positions: c.positions,
                     line: c.line,
                     penetration: (-c.gap.value).max(0.0),
-                    force: c.gap.normal * (impulse / dt),
+                    force: c.gap.pull() * (impulse / dt),
                     within: [0.0, 1.0],
                 });
             }
@@ -421,8 +425,8 @@ impl<'a> Motion<'a> {
         let mut contact = 0.0;
         if method == Enforcement::Penalty {
             let springs = self.springs(&q1);
-            contact = springs.iter().map(penalty::Spring::energy).sum();
-            let deepest = springs.iter().map(penalty::Spring::penetration).fold(0.0, f64::max);
+            contact = springs.iter().map(Spring::energy).sum();
+            let deepest = springs.iter().map(Spring::penetration).fold(0.0, f64::max);
             if deepest > DEEPEST * self.height {
                 return Err(Failure::Smaller(format!("a penetration of {deepest:.1e} m")));
             }
@@ -431,7 +435,7 @@ impl<'a> Motion<'a> {
     }
 
     /// Compressed springs.
-    fn springs(&self, q: &[f64]) -> Vec<penalty::Spring> {
+    fn springs(&self, q: &[f64]) -> Vec<Spring> {
         self.search.springs(self.bodies, q, 0.0).into_iter().map(|(_, spring)| spring).collect()
     }
 
@@ -443,17 +447,19 @@ impl<'a> Motion<'a> {
         x.iter_mut().zip(m.col(0).iter()).for_each(|(x, m)| *x = *m);
     }
 
-    /// Contacts that may close within a step.
-    fn contacts(&mut self, v: &[f64], dt: f64) -> Vec<Contact> {
+    /// Contacts whose gap, as it will be, is small or none.
+    fn contacts(
+        &mut self,
+        hits: &[Option<Hit>],
+        later: impl Fn(f64, &[(usize, f64)]) -> f64,
+    ) -> Vec<Contact> {
         let start = Instant::now();
-        let close = CLOSE * self.height;
-        let hits = self.hits(&self.q.clone());
         let mut list = Vec::new();
-        for (probe, hit) in self.search.probes.iter().zip(&hits) {
+        for (probe, hit) in self.search.probes.iter().zip(hits) {
             let Some(hit) = hit.filter(|h| !h.at_corner) else { continue };
             let spring = self.search.spring(probe, &hit);
             let gradient = spring.gap.gradient(self.bodies.components());
-            if hit.gap + dt * penalty::rate(&gradient, v) < close {
+            if later(hit.gap, &gradient) < CLOSE * self.height {
                 list.push(Contact {
                     bodies: spring.bodies,
                     positions: spring.positions,
@@ -506,21 +512,8 @@ impl<'a> Motion<'a> {
     fn project(&mut self, q: &mut [f64]) -> Result<()> {
         for _ in 0..PROJECTIONS {
             let hits = self.hits(q);
-            let mut list = Vec::new();
-            let mut deepest = 0.0_f64;
-            for (probe, hit) in self.search.probes.iter().zip(&hits) {
-                let Some(hit) = hit.filter(|h| !h.at_corner && h.gap < CLOSE * self.height) else { continue };
-                let spring = self.search.spring(probe, &hit);
-                let gradient = spring.gap.gradient(self.bodies.components());
-                deepest = deepest.min(hit.gap);
-                list.push(Contact {
-                    bodies: spring.bodies,
-                    positions: spring.positions,
-                    line: spring.line,
-                    gap: spring.gap,
-                    gradient,
-                });
-            }
+            let list = self.contacts(&hits, |gap, _| gap);
+            let deepest = list.iter().map(|c| c.gap.value).fold(0.0, f64::min);
             if deepest >= -PROJECTED * self.height {
                 break;
             }
