@@ -30,6 +30,8 @@ const NEAR: f64 = 1.0;
 const FAR: f64 = 4.0;
 /// Height that surfaces may move in a step while something is near.
 const STRIDE: f64 = 0.2;
+/// Height that surfaces may have moved after a step while something is near: twice that is below [`LAYER`].
+const SEEN: f64 = 0.22;
 /// Self-contact: distance along the body, in heights, that neighbours have.
 const NEIGHBOURS: f64 = 3.0;
 /// Penetration in heights beyond which a curve is not the one that a point of a line has passed through.
@@ -287,6 +289,19 @@ impl Search {
         let mean = |c: usize| v.iter().skip(c).step_by(step).sum::<f64>() / nodes;
         let mean = [mean(0), mean(1)];
         self.largest(bodies, |at, c| v[at + c] - if c < 2 { mean[c] } else { 0.0 })
+    }
+
+    /// How far a surface moves between two states, against the mean of all bodies, m.
+    pub fn travel(&self, bodies: &Bodies<'_>, from: &[f64], to: &[f64]) -> f64 {
+        let moved: Vec<f64> = from.iter().zip(to).map(|(from, to)| to - from).collect();
+        self.fastest(bodies, &moved)
+    }
+
+    /// How far every surface may move in a step from `q`, against the mean of all bodies, so that nothing passes through anything:
+    /// the rest of the margin, and where something is near, what a penetration is still seen after, m.
+    pub fn reach(&self, q: &[f64]) -> f64 {
+        let rest = (self.margin / 2.0 - self.moved(q)).max(0.0);
+        if self.any { rest.min(SEEN * self.height) } else { rest }
     }
 
     fn largest(&self, bodies: &Bodies<'_>, of: impl Fn(usize, usize) -> f64) -> f64 {
