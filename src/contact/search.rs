@@ -36,8 +36,6 @@ const SEEN: f64 = 0.22;
 const NEIGHBOURS: f64 = 3.0;
 /// Penetration in heights beyond which a curve is not the one that a point of a line has passed through.
 const LAYER: f64 = 0.45;
-/// Points on each curve where it is seen whether bodies overlap at the start.
-const OVERLAP_POINTS: usize = 9;
 
 /// What a probe stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -466,28 +464,6 @@ impl Search {
                 self.idle.remove(&corner);
             }
         }
-    }
-
-    /// The deepest overlap in the state `q`: the two bodies and the gap, m.
-    pub fn overlap(&self, bodies: &Bodies<'_>, q: &[f64]) -> Option<(usize, usize, f64)> {
-        let mut deepest: Option<(usize, usize, f64)> = None;
-        for (index, face) in self.faces.iter().enumerate() {
-            for (target, near) in &self.near[index] {
-                for k in 0..OVERLAP_POINTS {
-                    let zeta = 2.0 * k as f64 / (OVERLAP_POINTS - 1) as f64 - 1.0;
-                    let hit = if *target == face.body {
-                        self.gap_at(bodies, (index, zeta), *target, near, q)
-                    } else {
-                        self.gap_to_any((index, zeta), near, q)
-                    };
-                    let Some(hit) = hit else { continue };
-                    if !hit.at_corner && deepest.is_none_or(|(_, _, g)| hit.gap < g) {
-                        deepest = Some((face.body.min(*target), face.body.max(*target), hit.gap));
-                    }
-                }
-            }
-        }
-        deepest
     }
 
     /// Smallest gap between two bodies in the state `q`, whatever it is, m: nodes of either against the curves of the other.

@@ -8,7 +8,7 @@ use super::Outcome;
 use crate::contact::bodies::{Bodies, assemblies};
 use crate::contact::penalty::Spring;
 use crate::contact::search::{Counts, Key, Search};
-use crate::contact::spatial;
+use crate::contact::{spatial, start};
 use crate::error::Result;
 use crate::model::scene::{Action, Enforcement, Scene};
 use crate::results::{BodyState, Contact, ContactHistory, Diagnostic, ModelSummary, PairState, Snapshot};
@@ -114,19 +114,19 @@ pub fn overlap(scene: &Scene) -> Result<Option<Overlap>> {
     if scene.contact.method == Enforcement::None {
         return Ok(None);
     }
-    let shafts = assemblies(scene);
-    let bodies = Bodies::new(scene, &shafts)?;
-    let mut detector = Detector::new(&bodies);
-    let q = bodies.reference();
-    detector.update(&bodies, q);
-    let found = match &mut detector {
-        Detector::Planar(search) => search.overlap(&bodies, q),
-        Detector::Spatial(search) => search.overlap(&bodies, q),
+    let found = if scene.is_planar() {
+        start::rectangles(scene)
+    } else {
+        let shafts = assemblies(scene);
+        let bodies = Bodies::new(scene, &shafts)?;
+        let mut search = spatial::Search::new(&bodies);
+        search.update(&bodies, bodies.reference());
+        search.overlap(&bodies, bodies.reference()).map(|(a, b, gap)| (a, b, -gap))
     };
     let limit = |a: usize, b: usize| TOUCHING * scene.bodies[a].height.min(scene.bodies[b].height);
     Ok(found
-        .filter(|&(a, b, gap)| gap < -limit(a, b))
-        .map(|(a, b, gap)| Overlap { bodies: (a, b), depth: -gap }))
+        .filter(|&(a, b, depth)| depth > limit(a, b))
+        .map(|(a, b, depth)| Overlap { bodies: (a, b), depth }))
 }
 
 /// Finds the equilibrium of a scene, or its motion.
@@ -171,7 +171,8 @@ fn moving(bodies: &Bodies<'_>, until: f64, watch: Watch<'_>) -> Result<Outcome<C
             diagnostics.push(Diagnostic::error("not-converged", error.to_string().replace('\n', ";")));
         }
         let t = motion.t;
-        let last = k == steps || !converged;
+        // a step that failed at once leaves the state of the last row
+        let last = (k == steps || !converged) && recorder.history.time_s.last() != Some(&t);
         if last || due(t, until * row as f64 / rows as f64, step) {
             let energies = *recorder.last();
             recorder.row(bodies, &motion.search, (t, &motion.q, &motion.v), &energies);
