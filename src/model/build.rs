@@ -289,6 +289,13 @@ impl Input<'_> {
         if !self.case.bodies.is_empty() {
             return self.fault("bodies", "a case has either a shaft or bodies", "one of them");
         }
+        if self.case.contact.is_some() {
+            return self.fault(
+                "contact",
+                "contact is between bodies: a shaft has none",
+                "bodies; or spinup.stators",
+            );
+        }
         let default = self.element("shaft.element", &shaft.element)?;
         if shaft.segments.is_empty() {
             return self.fault("shaft.segments", "the shaft has no segments", "at least one segment");

@@ -10,7 +10,7 @@ use crate::contact::penalty::Spring;
 use crate::contact::search::{Counts, Key, Search};
 use crate::contact::{spatial, start};
 use crate::error::Result;
-use crate::model::scene::{Action, Enforcement, Scene};
+use crate::model::scene::{Action, Enforcement, Scene, Unused};
 use crate::results::{BodyState, Contact, ContactHistory, Diagnostic, ModelSummary, PairState, Snapshot};
 use equilibrium::Equilibrium;
 use motion::Motion;
@@ -143,7 +143,17 @@ pub fn contact(scene: &Scene, watch: Watch<'_>) -> Result<Outcome<Contact>> {
         None => resting(&bodies, watch)?,
     };
     outcome.results.cost.total_s = start.elapsed().as_secs_f64();
+    outcome.diagnostics.splice(0..0, unused_input(scene));
     Ok(outcome)
+}
+
+/// Remarks on input that this analysis does not use.
+fn unused_input(scene: &Scene) -> Vec<Diagnostic> {
+    let remark = |unused: &Unused| {
+        let words = format!("not used: {}; {}", unused.paths.join(", "), unused.reason);
+        Diagnostic::info("unused-input", words)
+    };
+    scene.unused.iter().map(remark).collect()
 }
 
 fn moving(bodies: &Bodies<'_>, until: f64, watch: Watch<'_>) -> Result<Outcome<Contact>> {
