@@ -282,7 +282,7 @@ impl Input<'_> {
                 false => self.fault(
                     "bodies",
                     "the case is a contact scene: it has no shaft",
-                    "rotor contact or check",
+                    "`rotor contact` or `rotor check` for a scene; a case with \"shaft\" for this analysis",
                 ),
             };
         };

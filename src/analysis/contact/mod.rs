@@ -1,5 +1,6 @@
 //! `rotor contact`: equilibrium and motion of beams in contact.
 
+mod check;
 mod equilibrium;
 mod motion;
 mod record;
@@ -10,8 +11,9 @@ use crate::contact::penalty::Spring;
 use crate::contact::search::{Counts, Key, Search};
 use crate::contact::{spatial, start};
 use crate::error::Result;
-use crate::model::scene::{Action, Enforcement, Scene, Unused};
+use crate::model::scene::{Action, ContactSettings, Enforcement, Scene, Stepping, Unused};
 use crate::results::{BodyState, Contact, ContactHistory, Diagnostic, ModelSummary, PairState, Snapshot};
+pub use check::check;
 use equilibrium::Equilibrium;
 use motion::Motion;
 use record::{Recorder, due, kind, outlines, pairs};
@@ -147,6 +149,12 @@ pub fn contact(scene: &Scene, watch: Watch<'_>) -> Result<Outcome<Contact>> {
     Ok(outcome)
 }
 
+/// Steps of a motion, and the size of which a whole number fits, s.
+fn steps(settings: &ContactSettings, until: f64) -> (usize, f64) {
+    let steps = (until / settings.step).round().max(1.0) as usize;
+    (steps, until / steps as f64)
+}
+
 /// Remarks on input that this analysis does not use.
 fn unused_input(scene: &Scene) -> Vec<Diagnostic> {
     let remark = |unused: &Unused| {
@@ -169,8 +177,7 @@ fn moving(bodies: &Bodies<'_>, until: f64, watch: Watch<'_>) -> Result<Outcome<C
     recorder.snapshot(bodies, 0.0, &motion.q);
     let mut diagnostics = Vec::new();
     let mut converged = true;
-    let steps = (until / settings.step).round().max(1.0) as usize;
-    let step = until / steps as f64;
+    let (steps, step) = steps(settings, until);
     let rows = (settings.output - 1).min(steps);
     let shots = settings.snapshots.saturating_sub(1).max(1);
     let (mut row, mut shot) = (1, 1);
@@ -215,14 +222,6 @@ fn moving(bodies: &Bodies<'_>, until: f64, watch: Watch<'_>) -> Result<Outcome<C
     stats.searches = motion.search.counts.searches;
     motion.cost.search_s = motion.search.counts.seconds;
     let mut model = summary(bodies);
-    model.modelled.push(format!(
-        "inertia; {} steps of {:.4e} s",
-        match settings.stepping {
-            crate::model::scene::Stepping::EnergyConsistent => "energy-consistent midpoint",
-            crate::model::scene::Stepping::SemiImplicit => "semi-implicit Euler",
-        },
-        step
-    ));
     if stats.gaps == 0 && settings.method != Enforcement::None {
         model.left_out.push("contact forces: nothing came near, no gap was measured".to_owned());
     }
@@ -264,8 +263,7 @@ fn resting(bodies: &Bodies<'_>, watch: Watch<'_>) -> Result<Outcome<Contact>> {
             ),
         ));
     }
-    let mut model = summary(bodies);
-    model.left_out.push("inertia and damping: an equilibrium".to_owned());
+    let model = summary(bodies);
     let deepest = state.springs.iter().map(Spring::penetration).fold(0.0, f64::max);
     let snapshots = [(bodies.reference(), "undeformed"), (&state.q[..], "equilibrium")]
         .map(|(q, label)| Snapshot { label: label.to_owned(), outlines: outlines(bodies, q) })
@@ -393,6 +391,17 @@ fn summary(bodies: &Bodies<'_>) -> ModelSummary {
     } else {
         let pressures = loads.iter().filter(|a| matches!(a, Action::Pressure(..))).count();
         modelled.push(format!("{} loads, {pressures} follower pressures among them", loads.len()));
+    }
+    match scene.contact.until {
+        Some(until) => modelled.push(format!(
+            "inertia; {} steps of {:.4e} s",
+            match scene.contact.stepping {
+                Stepping::EnergyConsistent => "energy-consistent midpoint",
+                Stepping::SemiImplicit => "semi-implicit Euler",
+            },
+            steps(&scene.contact, until).1
+        )),
+        None => left_out.push("inertia and damping: an equilibrium".to_owned()),
     }
     ModelSummary {
         degrees_of_freedom: bodies.free().len(),

@@ -50,7 +50,8 @@ impl Input<'_> {
             return self.fault(
                 "bodies",
                 "the case is a shaft: it has no bodies that could meet",
-                "rotor check, modes, campbell, static or spinup (rub: spinup.stators)",
+                "`rotor check`, `modes`, `campbell`, `static` or `spinup` for a shaft (rub: spinup.stators); a case with \
+                 \"bodies\" for `rotor contact`",
             );
         }
         if case.shaft.is_some() {
