@@ -90,7 +90,7 @@ fn nonlinear_summary(model: &Model, degrees_of_freedom: usize) -> ModelSummary {
     summary.modelled[0] = "finite displacements, St. Venant-Kirchhoff material".to_owned();
     summary.modelled.push(format!("internal forces integrated: {}", quadrature_name(model)));
     summary.left_out.retain(|text| !text.starts_with("gravity") && !text.starts_with("loads"));
-    summary.left_out.push("contact: none is part of this version".to_owned());
+    summary.left_out.push("contact: none with other bodies (`rotor contact`)".to_owned());
     summary
 }
 

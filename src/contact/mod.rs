@@ -10,3 +10,4 @@ pub mod gap;
 pub mod penalty;
 pub mod search;
 pub mod spatial;
+pub mod start;

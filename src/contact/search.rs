@@ -30,14 +30,14 @@ const NEAR: f64 = 1.0;
 const FAR: f64 = 4.0;
 /// Height that surfaces may move in a step while something is near.
 const STRIDE: f64 = 0.2;
+/// Height that surfaces may have moved after a step while something is near: twice that is below [`LAYER`].
+const SEEN: f64 = 0.22;
 /// Self-contact: distance along the body, in heights, that neighbours have.
 const NEIGHBOURS: f64 = 3.0;
 /// Penetration in heights beyond which a curve is not the one that a point of a line has passed through.
 const LAYER: f64 = 0.45;
 /// What the distance to a boundary is multiplied by on the way out past an end of the side that a point faces.
 const EXIT: f64 = 10.0;
-/// Points on each curve where it is seen whether bodies overlap at the start.
-const OVERLAP_POINTS: usize = 9;
 
 /// What a probe stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -320,6 +320,19 @@ impl Search {
         self.largest(bodies, |at, c| v[at + c] - if c < 2 { mean[c] } else { 0.0 })
     }
 
+    /// How far a surface moves between two states, against the mean of all bodies, m.
+    pub fn travel(&self, bodies: &Bodies<'_>, from: &[f64], to: &[f64]) -> f64 {
+        let moved: Vec<f64> = from.iter().zip(to).map(|(from, to)| to - from).collect();
+        self.fastest(bodies, &moved)
+    }
+
+    /// How far every surface may move in a step from `q`, against the mean of all bodies, so that nothing passes through anything:
+    /// the rest of the margin, and where something is near, what a penetration is still seen after, m.
+    pub fn reach(&self, q: &[f64]) -> f64 {
+        let rest = (self.margin / 2.0 - self.moved(q)).max(0.0);
+        if self.any { rest.min(SEEN * self.height) } else { rest }
+    }
+
     fn largest(&self, bodies: &Bodies<'_>, of: impl Fn(usize, usize) -> f64) -> f64 {
         let mut largest = 0.0_f64;
         for (index, body) in bodies.scene.bodies.iter().enumerate() {
@@ -527,28 +540,6 @@ impl Search {
                 if along(&n).min(along(&next)) <= limit { Onto::Nothing } else { Onto::Nearest }
             }
         }
-    }
-
-    /// The deepest overlap in the state `q`: the two bodies and the gap, m.
-    pub fn overlap(&self, bodies: &Bodies<'_>, q: &[f64]) -> Option<(usize, usize, f64)> {
-        let mut deepest: Option<(usize, usize, f64)> = None;
-        for (index, face) in self.faces.iter().enumerate() {
-            for (target, near) in &self.near[index] {
-                for k in 0..OVERLAP_POINTS {
-                    let zeta = 2.0 * k as f64 / (OVERLAP_POINTS - 1) as f64 - 1.0;
-                    let hit = if *target == face.body {
-                        self.gap_at(bodies, (index, zeta), *target, near, q)
-                    } else {
-                        self.gap_to_any((index, zeta), near, q)
-                    };
-                    let Some(hit) = hit else { continue };
-                    if !hit.at_corner && deepest.is_none_or(|(_, _, g)| hit.gap < g) {
-                        deepest = Some((face.body.min(*target), face.body.max(*target), hit.gap));
-                    }
-                }
-            }
-        }
-        deepest
     }
 
     /// Smallest gap between two bodies in the state `q`, whatever it is, m: nodes of either against the curves of the other.

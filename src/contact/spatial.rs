@@ -9,6 +9,7 @@ use super::detect::{Aabb, OrientedBox, bezier, bezier_cubic, near_pairs};
 use super::gap::{Free, Gap, Point};
 use super::penalty::Spring;
 use super::search::{Counts, Key, slave_of};
+use super::start::rods;
 use crate::element::basis::{derivative, evaluate, lagrange};
 use crate::element::quadrature::gauss;
 use crate::model::scene::Beam;
@@ -350,12 +351,12 @@ impl Search {
         None
     }
 
-    /// The deepest overlap of near bodies in the state `q`: the two bodies and the gap, m.
+    /// The deepest overlap of near bodies in the undeformed state `q`: the two bodies and the gap, m.
     pub fn overlap(&self, bodies: &Bodies<'_>, q: &[f64]) -> Option<(usize, usize, f64)> {
-        let gaps = self
-            .near
-            .keys()
-            .filter_map(|&(a, b)| self.distance(bodies, (a, b), q).map(|gap| (a.min(b), a.max(b), gap)));
+        let gaps = self.near.keys().filter_map(|&(a, b)| {
+            let gap = rods(&bodies.scene.bodies[a], &bodies.scene.bodies[b]);
+            Some((a.min(b), a.max(b), gap.or_else(|| self.distance(bodies, (a, b), q))?))
+        });
         gaps.min_by(|a, b| a.2.total_cmp(&b.2))
     }
 

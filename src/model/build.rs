@@ -282,12 +282,19 @@ impl Input<'_> {
                 false => self.fault(
                     "bodies",
                     "the case is a contact scene: it has no shaft",
-                    "rotor contact or check",
+                    "`rotor contact` or `rotor check` for a scene; a case with \"shaft\" for this analysis",
                 ),
             };
         };
         if !self.case.bodies.is_empty() {
             return self.fault("bodies", "a case has either a shaft or bodies", "one of them");
+        }
+        if self.case.contact.is_some() {
+            return self.fault(
+                "contact",
+                "contact is between bodies: a shaft has none",
+                "bodies; or spinup.stators",
+            );
         }
         let default = self.element("shaft.element", &shaft.element)?;
         if shaft.segments.is_empty() {

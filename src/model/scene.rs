@@ -42,6 +42,13 @@ pub enum Hold {
     PinnedY,
 }
 
+impl Hold {
+    /// True when both hold the same component.
+    pub fn meets(self, other: Self) -> bool {
+        !matches!((self, other), (Self::PinnedX, Self::PinnedY) | (Self::PinnedY, Self::PinnedX))
+    }
+}
+
 /// A face of a planar body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Face {
@@ -210,6 +217,17 @@ pub struct Scene {
     pub gravity: Vector3<f64>,
     /// Contact.
     pub contact: ContactSettings,
+    /// What is written in the case without being of use.
+    pub unused: Vec<Unused>,
+}
+
+/// Keys of a case that its analysis has no use for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unused {
+    /// JSON paths.
+    pub paths: Vec<String>,
+    /// Why.
+    pub reason: &'static str,
 }
 
 impl Scene {

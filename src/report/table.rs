@@ -1,8 +1,8 @@
 //! Short tables for the terminal.
 
 use crate::results::{
-    Campbell, Check, Contact, Diagnostic, Level, ModelSummary, Modes, ProbeState, RubSummary, SpinState,
-    Spinup, Static, StatorSummary, Tradeoff, TradeoffPoint, Trust,
+    Campbell, Check, Contact, Diagnostic, Level, ModelSummary, Modes, ProbeState, RubSummary, SceneCheck,
+    SpinState, Spinup, Static, StatorSummary, Tradeoff, TradeoffPoint, Trust,
 };
 use std::f64::consts::TAU;
 
@@ -369,6 +369,62 @@ fn tradeoff_row(point: &TradeoffPoint, chosen: bool, reference: bool) -> Vec<Str
         point.value.map_or("-".to_owned(), |v| format!("{v:.9e}")),
         name,
     ]
+}
+
+/// A contact scene as it is placed.
+pub fn scene(results: &SceneCheck) -> String {
+    let place = |p: &[f64; 3]| format!("{:.6}, {:.6}, {:.6}", p[0], p[1], p[2]);
+    let rows: Vec<Vec<String>> = results
+        .bodies
+        .iter()
+        .map(|b| {
+            vec![
+                b.name.clone(),
+                format!("{} {}", b.elements, b.element),
+                b.degrees_of_freedom.to_string(),
+                format!("{:.6}", b.mass_kg),
+                format!("{:.6}", b.length_m),
+                place(&b.start_m),
+                place(&b.end_m),
+                format!("{}, {}", b.supports, b.loads),
+            ]
+        })
+        .collect();
+    let head = [
+        "body",
+        "elements",
+        "unknowns",
+        "mass (kg)",
+        "length (m)",
+        "start (m)",
+        "end (m)",
+        "supports, loads",
+    ];
+    let mut text = columns(&head, &rows);
+    if !results.pairs.is_empty() {
+        let gap = |gap: Option<f64>| gap.map_or("-".to_owned(), |g| format!("{g:.6e}"));
+        let pairs: Vec<Vec<String>> =
+            results.pairs.iter().map(|p| vec![p.bodies.join(" - "), gap(p.gap_m)]).collect();
+        text += "\n";
+        text += &columns(&["pair", "gap at the start (m)"], &pairs);
+    }
+    text += &format!("\n  unknowns before supports {}\n", results.unconstrained_degrees_of_freedom);
+    text += &match results.method {
+        "penalty" => {
+            format!("  contact by                penalty, {:.4e} N/m^3 along lines\n", results.penalty_n_m3)
+        }
+        method => format!("  contact by                {method}\n"),
+    };
+    text += &match (results.until_s, results.step_s, results.integrator) {
+        (Some(until), Some(step), Some(name)) => {
+            format!(
+                "  motion                    {until} s in {} steps of {step:.4e} s, {name}\n",
+                results.steps
+            )
+        }
+        _ => format!("  equilibrium               in {} load steps\n", results.steps),
+    };
+    text
 }
 
 /// Beams in contact.

@@ -46,6 +46,70 @@ pub struct Contact {
     pub cost: ContactCost,
 }
 
+/// Results of `rotor check` on a contact scene.
+#[derive(Debug, Clone, Serialize)]
+pub struct SceneCheck {
+    /// The bodies as they are placed.
+    pub bodies: Vec<BodyCheck>,
+    /// Unknowns before supports.
+    pub unconstrained_degrees_of_freedom: usize,
+    /// Gaps at the start, of a scene of few bodies.
+    pub pairs: Vec<PairCheck>,
+    /// As in [`Contact`].
+    pub method: &'static str,
+    /// Pressure per penetration along lines.
+    pub penalty_n_m3: f64,
+    /// Of a motion, as in [`Contact`].
+    pub integrator: Option<&'static str>,
+    /// End of a motion; null in equilibrium.
+    pub until_s: Option<f64>,
+    /// Step of a motion, so that a whole number of them fits.
+    pub step_s: Option<f64>,
+    /// Steps in time or load, unless they have to be cut.
+    pub steps: usize,
+}
+
+/// A body as it is placed.
+#[derive(Debug, Clone, Serialize)]
+pub struct BodyCheck {
+    /// Name.
+    pub name: String,
+    /// Element.
+    pub element: String,
+    /// Number of elements.
+    pub elements: usize,
+    /// Unknowns that its supports leave.
+    pub degrees_of_freedom: usize,
+    /// Mass.
+    pub mass_kg: f64,
+    /// Length.
+    pub length_m: f64,
+    /// Height in the plane, of a circle the diameter.
+    pub height_m: f64,
+    /// Place of the axis at its start.
+    pub start_m: [f64; 3],
+    /// Place of the axis at its end.
+    pub end_m: [f64; 3],
+    /// Velocity at the start.
+    pub velocity_m_s: [f64; 3],
+    /// Force per penetration at its corners, or at a point contact.
+    pub point_penalty_n_m: f64,
+    /// Number of its supports.
+    pub supports: usize,
+    /// Number of its loads.
+    pub loads: usize,
+}
+
+/// Two bodies as they are placed.
+#[derive(Debug, Clone, Serialize)]
+pub struct PairCheck {
+    /// Names.
+    pub bodies: [String; 2],
+    /// Smallest gap: at nodes of either boundary, of spatial bodies between the nearest places of their axes; null where an
+    /// end of one is what is nearest.
+    pub gap_m: Option<f64>,
+}
+
 /// A body in its last state.
 #[derive(Debug, Clone, Serialize)]
 pub struct BodyState {

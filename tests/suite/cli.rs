@@ -53,6 +53,7 @@ fn help_names_every_command_with_examples() {
         "campbell",
         "static",
         "spinup",
+        "contact",
         "tradeoff",
         "matrices",
         "validate",
@@ -177,12 +178,98 @@ fn validate_fails_when_a_value_is_out() {
 fn schema_is_json_and_describes_the_keys() {
     let got = rotor(project(), &["schema"]);
     let schema: Value = serde_json::from_slice(&got.stdout).expect("JSON");
-    for key in
-        ["title", "materials", "sections", "shaft", "disks", "supports", "modes", "campbell", "expected"]
-    {
+    for key in [
+        "title",
+        "materials",
+        "sections",
+        "shaft",
+        "disks",
+        "supports",
+        "modes",
+        "campbell",
+        "bodies",
+        "contact",
+        "expected",
+    ] {
         assert!(schema["properties"][key].is_object(), "{key}");
     }
     assert!(schema.to_string().contains("mm, um, km, in"));
+}
+
+/// A scene is described without being run: bodies, unknowns, mass, gaps, method and steps.
+#[test]
+fn check_describes_a_scene() {
+    let folder = workplace();
+    let got = rotor(folder.path(), &["check", "cases/bar-impact.json", "--out", "o"]);
+    assert!(got.status.success(), "{}", text(&got.stderr));
+    assert_eq!(files(&folder.path().join("o")), ["check.cost.json", "check.json"]);
+    let table = text(&got.stdout);
+    for words in [
+        "16 2322s",
+        "78.500000",
+        "left - right  1.000000e-3",
+        "penalty, 4.1400e9 N/m^3",
+        "250 steps of 2.0000e-4 s",
+    ] {
+        assert!(table.contains(words), "{words}: {table}");
+    }
+    let report: Value = serde_json::from_str(&read(folder.path().join("o/check.json"))).expect("JSON");
+    let results = &report["results"];
+    // four coordinates at each of 33 nodes
+    assert_eq!(results["bodies"][1]["degrees_of_freedom"], 132);
+    assert_eq!(report["model"]["degrees_of_freedom"], 264);
+    assert_eq!(results["bodies"][1]["end_m"].as_array().map(Vec::len), Some(3));
+    let mass = results["bodies"][0]["mass_kg"].as_f64().expect("a number");
+    assert!((mass - 7850.0 * 0.01).abs() < 1e-9, "{mass}");
+    let words = |key: &str| report["model"][key].to_string();
+    assert!(words("modelled").contains("contact by penalty") && words("left_out").contains("friction"));
+    // an equilibrium in space, and a body that nothing holds
+    let set = ["--set", "bodies.1.supports=[]", "--quiet"];
+    let got = rotor(
+        folder.path(),
+        &[&["check", "cases/crossing-cantilevers.json", "--out", "o"][..], &set].concat(),
+    );
+    assert!(got.status.success(), "{}", text(&got.stderr));
+    let report: Value = serde_json::from_str(&read(folder.path().join("o/check.json"))).expect("JSON");
+    assert!(
+        report["results"]["until_s"].is_null() && report["results"]["steps"] == 4,
+        "{}",
+        report["results"]
+    );
+    assert!((report["results"]["pairs"][0]["gap_m"].as_f64().expect("a gap") - 1e-3).abs() < 1e-12);
+    assert!(report["diagnostics"].to_string().contains("nothing but contact holds `upper`"));
+    // what a run would refuse
+    let overlapping = ["check", "cases/bar-impact.json", "--out", "p", "--set", "bodies.1.start=[0.9,0]"];
+    let got = rotor(folder.path(), &overlapping);
+    let message = text(&got.stderr);
+    assert_eq!(got.status.code(), Some(2), "{message}");
+    assert!(
+        message.contains("at `bodies.1.start`: `left` and `right` overlap by 1.000000e-1 m"),
+        "{message}"
+    );
+    assert!(!folder.path().join("p").exists());
+}
+
+/// A command on the other kind of case says which one fits, and writes nothing.
+#[test]
+fn commands_that_do_not_fit_say_which_do() {
+    let folder = workplace();
+    for command in ["modes", "campbell", "static", "spinup", "matrices"] {
+        let got = rotor(folder.path(), &[command, "cases/bar-impact.json", "--out", "o"]);
+        let message = text(&got.stderr);
+        assert_eq!(got.status.code(), Some(2), "{command}: {message}");
+        assert!(message.contains("at `bodies`: the case is a contact scene"), "{command}: {message}");
+        assert!(message.contains("`rotor contact` or `rotor check`"), "{command}: {message}");
+    }
+    let got = rotor(folder.path(), &["contact", "cases/jeffcott.json", "--out", "o"]);
+    let message = text(&got.stderr);
+    assert_eq!(got.status.code(), Some(2), "{message}");
+    for word in ["at `bodies`: the case is a shaft", "`campbell`", "`spinup`", "spinup.stators"] {
+        assert!(message.contains(word), "{word}: {message}");
+    }
+    assert!(!folder.path().join("o").exists());
+    let got = rotor(folder.path(), &["validate", "cases/bar-impact.json", "cases/crossing-cantilevers.json"]);
+    assert!(got.status.success() && text(&got.stdout).contains("2 of 2 values within tolerance"));
 }
 
 /// A run that fails on the way leaves the earlier report as it was.

@@ -5,6 +5,7 @@ mod attachments;
 mod cli;
 mod common;
 mod contact;
+mod contact_input;
 mod contact_segments;
 mod convergence;
 mod convergence_figure;

@@ -1,5 +1,6 @@
 //! `rotor contact`: equilibrium and motion of beams in contact.
 
+mod check;
 mod equilibrium;
 mod motion;
 mod record;
@@ -8,10 +9,11 @@ use super::Outcome;
 use crate::contact::bodies::{Bodies, assemblies};
 use crate::contact::penalty::Spring;
 use crate::contact::search::{Counts, Key, Search};
-use crate::contact::spatial;
+use crate::contact::{spatial, start};
 use crate::error::Result;
-use crate::model::scene::{Action, Enforcement, Scene};
+use crate::model::scene::{Action, ContactSettings, Enforcement, Scene, Stepping, Unused};
 use crate::results::{BodyState, Contact, ContactHistory, Diagnostic, ModelSummary, PairState};
+pub use check::check;
 use equilibrium::Equilibrium;
 use motion::Motion;
 use record::{Recorder, due, kind, pairs, views};
@@ -114,19 +116,19 @@ pub fn overlap(scene: &Scene) -> Result<Option<Overlap>> {
     if scene.contact.method == Enforcement::None {
         return Ok(None);
     }
-    let shafts = assemblies(scene);
-    let bodies = Bodies::new(scene, &shafts)?;
-    let mut detector = Detector::new(&bodies);
-    let q = bodies.reference();
-    detector.update(&bodies, q);
-    let found = match &mut detector {
-        Detector::Planar(search) => search.overlap(&bodies, q),
-        Detector::Spatial(search) => search.overlap(&bodies, q),
+    let found = if scene.is_planar() {
+        start::rectangles(scene)
+    } else {
+        let shafts = assemblies(scene);
+        let bodies = Bodies::new(scene, &shafts)?;
+        let mut search = spatial::Search::new(&bodies);
+        search.update(&bodies, bodies.reference());
+        search.overlap(&bodies, bodies.reference()).map(|(a, b, gap)| (a, b, -gap))
     };
     let limit = |a: usize, b: usize| TOUCHING * scene.bodies[a].height.min(scene.bodies[b].height);
     Ok(found
-        .filter(|&(a, b, gap)| gap < -limit(a, b))
-        .map(|(a, b, gap)| Overlap { bodies: (a, b), depth: -gap }))
+        .filter(|&(a, b, depth)| depth > limit(a, b))
+        .map(|(a, b, depth)| Overlap { bodies: (a, b), depth }))
 }
 
 /// Finds the equilibrium of a scene, or its motion.
@@ -143,7 +145,23 @@ pub fn contact(scene: &Scene, watch: Watch<'_>) -> Result<Outcome<Contact>> {
         None => resting(&bodies, watch)?,
     };
     outcome.results.cost.total_s = start.elapsed().as_secs_f64();
+    outcome.diagnostics.splice(0..0, unused_input(scene));
     Ok(outcome)
+}
+
+/// Steps of a motion, and the size of which a whole number fits, s.
+fn steps(settings: &ContactSettings, until: f64) -> (usize, f64) {
+    let steps = (until / settings.step).round().max(1.0) as usize;
+    (steps, until / steps as f64)
+}
+
+/// Remarks on input that this analysis does not use.
+fn unused_input(scene: &Scene) -> Vec<Diagnostic> {
+    let remark = |unused: &Unused| {
+        let words = format!("not used: {}; {}", unused.paths.join(", "), unused.reason);
+        Diagnostic::info("unused-input", words)
+    };
+    scene.unused.iter().map(remark).collect()
 }
 
 fn moving(bodies: &Bodies<'_>, until: f64, watch: Watch<'_>) -> Result<Outcome<Contact>> {
@@ -159,8 +177,7 @@ fn moving(bodies: &Bodies<'_>, until: f64, watch: Watch<'_>) -> Result<Outcome<C
     recorder.snapshot(bodies, 0.0, &motion.q);
     let mut diagnostics = Vec::new();
     let mut converged = true;
-    let steps = (until / settings.step).round().max(1.0) as usize;
-    let step = until / steps as f64;
+    let (steps, step) = steps(settings, until);
     let rows = (settings.output - 1).min(steps);
     let shots = settings.snapshots.saturating_sub(1).max(1);
     let (mut row, mut shot) = (1, 1);
@@ -171,7 +188,8 @@ fn moving(bodies: &Bodies<'_>, until: f64, watch: Watch<'_>) -> Result<Outcome<C
             diagnostics.push(Diagnostic::error("not-converged", error.to_string().replace('\n', ";")));
         }
         let t = motion.t;
-        let last = k == steps || !converged;
+        // a step that failed at once leaves the state of the last row
+        let last = (k == steps || !converged) && recorder.history.time_s.last() != Some(&t);
         if last || due(t, until * row as f64 / rows as f64, step) {
             let energies = *recorder.last();
             recorder.row(bodies, &motion.search, (t, &motion.q, &motion.v), &energies);
@@ -204,14 +222,6 @@ fn moving(bodies: &Bodies<'_>, until: f64, watch: Watch<'_>) -> Result<Outcome<C
     stats.searches = motion.search.counts.searches;
     motion.cost.search_s = motion.search.counts.seconds;
     let mut model = summary(bodies);
-    model.modelled.push(format!(
-        "inertia; {} steps of {:.4e} s",
-        match settings.stepping {
-            crate::model::scene::Stepping::EnergyConsistent => "energy-consistent midpoint",
-            crate::model::scene::Stepping::SemiImplicit => "semi-implicit Euler",
-        },
-        step
-    ));
     if stats.gaps == 0 && settings.method != Enforcement::None {
         model.left_out.push("contact forces: nothing came near, no gap was measured".to_owned());
     }
@@ -253,8 +263,7 @@ fn resting(bodies: &Bodies<'_>, watch: Watch<'_>) -> Result<Outcome<Contact>> {
             ),
         ));
     }
-    let mut model = summary(bodies);
-    model.left_out.push("inertia and damping: an equilibrium".to_owned());
+    let model = summary(bodies);
     let deepest = state.springs.iter().map(Spring::penetration).fold(0.0, f64::max);
     let mut snapshots = views(bodies, bodies.reference(), "undeformed");
     snapshots.extend(views(bodies, &state.q, "equilibrium"));
@@ -381,6 +390,17 @@ fn summary(bodies: &Bodies<'_>) -> ModelSummary {
     } else {
         let pressures = loads.iter().filter(|a| matches!(a, Action::Pressure(..))).count();
         modelled.push(format!("{} loads, {pressures} follower pressures among them", loads.len()));
+    }
+    match scene.contact.until {
+        Some(until) => modelled.push(format!(
+            "inertia; {} steps of {:.4e} s",
+            match scene.contact.stepping {
+                Stepping::EnergyConsistent => "energy-consistent midpoint",
+                Stepping::SemiImplicit => "semi-implicit Euler",
+            },
+            steps(&scene.contact, until).1
+        )),
+        None => left_out.push("inertia and damping: an equilibrium".to_owned()),
     }
     ModelSummary {
         degrees_of_freedom: bodies.free().len(),

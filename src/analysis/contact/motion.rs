@@ -30,6 +30,10 @@ const PROJECTIONS: usize = 5;
 const PROJECTED: f64 = 1e-9;
 /// Gap in heights up to which a contact takes part in the complementarity problem at least.
 const CLOSE: f64 = 1e-3;
+/// Parts that a step may be cut into beforehand.
+const MOST_PARTS: usize = 10_000;
+/// Remedy of a step whose equations are not solved.
+const STIFF: &str = "take a smaller contact.step, a smaller contact.penalty or more elements";
 /// Pivots of a complementarity problem per contact.
 const PIVOTS: usize = 50;
 
@@ -63,8 +67,17 @@ pub struct Motion<'a> {
 
 /// Why a step of this size did not succeed; a smaller one may.
 enum Failure {
-    Smaller(String),
+    /// What happened, and the remedy when the smallest step fails too.
+    Smaller(String, &'static str),
     Final(Error),
+}
+
+/// Springs that give way too much.
+fn sunk(depth: f64) -> Failure {
+    Failure::Smaller(
+        format!("a penetration of {depth:.1e} m"),
+        "take a larger contact.penalty: the springs are too soft for this impact; or a smaller contact.step",
+    )
 }
 
 impl From<Error> for Failure {
@@ -125,6 +138,15 @@ impl<'a> Motion<'a> {
         if self.bodies.scene.contact.method != Enforcement::None {
             parts = self.search.prepare(self.bodies, &self.q, &self.v, dt);
         }
+        if parts > MOST_PARTS {
+            return Err(Error::analysis(
+                format!("the step is too large for the speed at {:.9} s", self.t),
+                format!(
+                    "a step of {dt:.3e} s would need {parts} parts, so that nothing passes through anything"
+                ),
+                format!("take a contact.step of {:.1e} s or less", dt * MOST_PARTS as f64 / parts as f64),
+            ));
+        }
         self.stats.cut += usize::from(parts > 1);
         let end = self.t + dt;
         let mut part = dt / parts as f64;
@@ -142,13 +164,13 @@ impl<'a> Motion<'a> {
                 Stepping::EnergyConsistent => self.consistent(now, &before),
                 Stepping::SemiImplicit => self.semi_implicit(now, &before),
             };
-            match step {
+            match step.and_then(|step| self.seen(step)) {
                 Ok(step) => {
                     self.t = if now < end - self.t { self.t + now } else { end };
                     self.accept(step, now, recorder);
                 }
                 Err(Failure::Final(error)) => return Err(error),
-                Err(Failure::Smaller(why)) => {
+                Err(Failure::Smaller(why, remedy)) => {
                     parts = 2;
                     part = now / 2.0;
                     self.stats.cut += 1;
@@ -156,7 +178,7 @@ impl<'a> Motion<'a> {
                         return Err(Error::analysis(
                             format!("no step succeeds at {:.9} s", self.t),
                             format!("a step of {now:.3e} s, after {HALVINGS} halvings: {why}"),
-                            "take a smaller contact.step, a smaller contact.penalty or more elements",
+                            remedy,
                         ));
                     }
                 }
@@ -164,6 +186,23 @@ impl<'a> Motion<'a> {
         }
         self.t = end;
         Ok(())
+    }
+
+    /// A step in which no surface has moved further than detection looks ahead: forces and impacts may move it further than the
+    /// velocity at the start of the step says.
+    fn seen(&self, step: Stepped) -> std::result::Result<Stepped, Failure> {
+        if self.bodies.scene.contact.method == Enforcement::None {
+            return Ok(step);
+        }
+        let travel = self.search.travel(self.bodies, &self.q, &step.q);
+        // written so that a motion that is no number is none
+        if travel <= self.search.reach(&self.q) {
+            return Ok(step);
+        }
+        Err(Failure::Smaller(
+            format!("a surface moves by {travel:.1e} m within the step and could pass through another"),
+            "take a smaller contact.step",
+        ))
     }
 
     fn accept(&mut self, step: Stepped, dt: f64, recorder: &mut Recorder<'_>) {
@@ -224,7 +263,7 @@ impl<'a> Motion<'a> {
             let start = Instant::now();
             let solved = self.solver.solve(delta.len(), &self.entries, &mut delta);
             self.cost.solve_s += start.elapsed().as_secs_f64();
-            solved.map_err(|e| Failure::Smaller(e.to_string()))?;
+            solved.map_err(|e| Failure::Smaller(e.to_string(), STIFF))?;
             let size = delta.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
             for (d, &k) in delta.iter().zip(bodies.free()) {
                 q1[k] += d;
@@ -242,7 +281,10 @@ impl<'a> Motion<'a> {
             }
             last = size;
         }
-        Err(Failure::Smaller(format!("Newton's method did not converge (last correction {last:.1e} m)")))
+        Err(Failure::Smaller(
+            format!("Newton's method did not converge (last correction {last:.1e} m)"),
+            STIFF,
+        ))
     }
 
     /// The converged end of an energy-consistent step.
@@ -264,7 +306,7 @@ impl<'a> Motion<'a> {
         let strokes = self.strokes(before, &q1, &middle);
         let deepest = strokes.iter().map(|s| s.after).fold(0.0, f64::min);
         if deepest < -DEEPEST * self.height {
-            return Err(Failure::Smaller(format!("a penetration of {:.1e} m", -deepest)));
+            return Err(sunk(-deepest));
         }
         let mut contact = 0.0;
         let mut touches = Vec::new();
@@ -428,7 +470,7 @@ impl<'a> Motion<'a> {
             contact = springs.iter().map(Spring::energy).sum();
             let deepest = springs.iter().map(Spring::penetration).fold(0.0, f64::max);
             if deepest > DEEPEST * self.height {
-                return Err(Failure::Smaller(format!("a penetration of {deepest:.1e} m")));
+                return Err(sunk(deepest));
             }
         }
         Ok(Stepped { q: q1, v: v1, internal, contact, work, impulse, touches })
@@ -499,7 +541,8 @@ impl<'a> Motion<'a> {
                 Error::analysis(
                     format!("the complementarity problem of the contacts has no solution at {:.9} s", self.t),
                     format!("Lemke's method on {count} contacts: {failure}"),
-                    "take a smaller contact.step; or the method penalty",
+                    "free the bodies where they meet (what is held can't be pushed apart), take a smaller contact.step, or the \
+                     method penalty",
                 )
             })?
         };

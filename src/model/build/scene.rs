@@ -2,20 +2,30 @@
 
 use super::Input;
 use crate::case::{self, LoadedCase};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::model::scene::{
     Action, Beam, Body, BodyLoad, ContactSettings, Enforcement, Face, Hold, PlanarSection, Scene, Stepping,
+    Unused,
 };
 use crate::model::{Material, Model};
 use crate::section::{Section, Shape};
 use crate::units::Length;
 use nalgebra::{Matrix3, Vector3};
-use serde_json::json;
+use serde_json::{Value, json};
 
 /// Share of its height that two self-contacting faces may penetrate, and of an element that a place may miss a node by.
 const SAME: f64 = 1e-6;
 /// Most elements of a scene.
 const ELEMENTS: usize = 20_000;
+/// The same of spatial elements, of thirty times as many unknowns.
+const SPATIAL_ELEMENTS: usize = 4000;
+/// Most integration segments of a scene, each of which may need memory for its points.
+const SEGMENTS: usize = 1_000_000;
+/// Most rows of the history, summed over the bodies.
+const ROWS: usize = 10_000_000;
+/// Blocks of a shaft case that mean nothing in a scene.
+const OF_SHAFTS: [&str; 9] =
+    ["disks", "supports", "loads", "probes", "modes", "campbell", "static", "spinup", "tradeoff"];
 /// Most steps of a motion.
 const STEPS: f64 = 1e8;
 
@@ -36,6 +46,14 @@ type Planar = (PlanarSection, [f64; 3]);
 impl Input<'_> {
     fn scene(&self) -> Result<Scene> {
         let case = self.case;
+        if case.shaft.is_some() && case.bodies.is_empty() {
+            return self.fault(
+                "bodies",
+                "the case is a shaft: it has no bodies that could meet",
+                "`rotor check`, `modes`, `campbell`, `static` or `spinup` for a shaft (rub: spinup.stators); a case with \
+                 \"bodies\" for `rotor contact`",
+            );
+        }
         if case.shaft.is_some() {
             return self.fault("bodies", "a case has either a shaft or bodies", "one of them");
         }
@@ -44,6 +62,13 @@ impl Input<'_> {
                 "bodies",
                 "a contact scene needs bodies",
                 r#"for example "bodies": [ { "name": "beam", "length": 1, "elements": 8, "section": "bar", "material": "steel", "start": [0, 0] } ]"#,
+            );
+        }
+        if let Some(key) = OF_SHAFTS.into_iter().find(|key| self.is_written(key)) {
+            return self.fault(
+                key,
+                format!("\"{key}\" belongs to a shaft: a contact scene does not use it"),
+                "bodies (each with its own supports and loads), gravity, contact, expected",
             );
         }
         let (materials, material_names) = self.materials()?;
@@ -73,13 +98,71 @@ impl Input<'_> {
             );
         }
         let count: usize = bodies.iter().map(|b| b.elements).sum();
-        if count > ELEMENTS {
-            return self.fault("bodies", "the scene is too large", format!("at most {ELEMENTS} elements"));
+        let most = if planar == 0 { SPATIAL_ELEMENTS } else { ELEMENTS };
+        if count > most {
+            return self.fault(
+                "bodies",
+                format!("the scene is too large: {count} elements"),
+                format!("at most {most}"),
+            );
         }
         let gravity = Vector3::from(self.gravity()?);
+        if planar != 0 && gravity.z != 0.0 {
+            return self.fault("gravity.2", "planar bodies move in the plane of x and y", "0");
+        }
         let contact = self.contact(&bodies, planar != 0)?;
         self.expected()?;
-        Ok(Scene { bodies, gravity, contact })
+        let unused = self.unused(&contact, planar != 0);
+        Ok(Scene { bodies, gravity, contact, unused })
+    }
+
+    /// True when a key of the case is there and not empty.
+    fn is_written(&self, path: &str) -> bool {
+        let pointer = format!("/{}", path.replace('.', "/"));
+        self.loaded.value.pointer(&pointer).is_some_and(|value| match value {
+            Value::Null => false,
+            Value::Array(list) => !list.is_empty(),
+            Value::Object(map) => !map.is_empty(),
+            _ => true,
+        })
+    }
+
+    /// Written keys that the analysis has no use for, with the reason.
+    fn unused(&self, contact: &ContactSettings, planar: bool) -> Vec<Unused> {
+        let mut list = Vec::new();
+        let mut note = |reason: &'static str, keys: &[&str]| {
+            let paths: Vec<String> =
+                keys.iter().filter(|key| self.is_written(key)).map(|key| (*key).to_owned()).collect();
+            if !paths.is_empty() {
+                list.push(Unused { paths, reason });
+            }
+        };
+        if contact.until.is_some() {
+            note("a motion has no load steps", &["contact.load_steps"]);
+        } else {
+            let settings = ["step", "integrator", "output", "snapshots"].map(|key| format!("contact.{key}"));
+            let of_bodies = self.case.bodies.iter().enumerate().flat_map(|(i, body)| {
+                let until = (0..body.loads.len()).map(move |k| format!("bodies.{i}.loads.{k}.until"));
+                until.chain([format!("bodies.{i}.velocity")])
+            });
+            let keys: Vec<String> = settings.into_iter().chain(of_bodies).collect();
+            let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
+            note("an equilibrium has no time (contact.until is missing)", &keys);
+        }
+        match contact.method {
+            Enforcement::Lcp | Enforcement::LcpSingle => note(
+                "impulses act at nodes and corners, without springs",
+                &["contact.penalty", "contact.point_penalty", "contact.segments", "contact.cut"],
+            ),
+            Enforcement::ActiveSet => {
+                note("the constraints act at nodes and corners", &["contact.segments", "contact.cut"]);
+            }
+            Enforcement::Penalty if !planar => {
+                note("segments of spatial bodies are never cut", &["contact.cut"]);
+            }
+            Enforcement::Penalty | Enforcement::None => {}
+        }
+        list
     }
 
     /// Two numbers in the plane or three in space.
@@ -102,7 +185,8 @@ impl Input<'_> {
         let at = |key: &str| format!("{path}.{key}");
         let length = self.length(&at("length"), body.length.0)?;
         if body.elements == 0 || body.elements > ELEMENTS as u64 {
-            return self.fault(&at("elements"), "a body needs elements", format!("1 to {ELEMENTS}"));
+            let problem = if body.elements == 0 { "a body needs elements" } else { "too many elements" };
+            return self.fault(&at("elements"), problem, format!("1 to {ELEMENTS}"));
         }
         let planar = match body.element.as_str() {
             "2322s" => true,
@@ -116,6 +200,13 @@ impl Input<'_> {
         } else {
             self.spatial(path, body, pair)?
         };
+        if length < height {
+            return self.fault(
+                &at("length"),
+                "a beam that is shorter than high is none, and could slip through others end on",
+                format!("at least its height, {height} m"),
+            );
+        }
         let list = |lengths: &[Length]| lengths.iter().map(|l| l.0).collect::<Vec<_>>();
         let start = self.place(&at("start"), &list(&body.start), planar)?;
         let velocity = match &body.velocity {
@@ -125,6 +216,9 @@ impl Input<'_> {
         let frame = match body.direction {
             Some(_) if planar => {
                 return self.fault(&at("direction"), "a planar body has an angle", "angle");
+            }
+            Some(_) if body.angle.0 != 0.0 => {
+                return self.fault(&at("angle"), "angle and direction say the same", "one of both");
             }
             Some(direction) => self.frame_along(&at("direction"), direction)?,
             None => {
@@ -138,7 +232,9 @@ impl Input<'_> {
         };
         let nodes = degree * elements;
         let node = |key: String, x: f64| {
-            self.on_shaft(&key, x, length)?;
+            if !(0.0..=length).contains(&x) {
+                return self.fault(&key, "this place is off the body", format!("0 to {length} m"));
+            }
             let share = x / length * nodes as f64;
             if (share - share.round()).abs() > SAME * nodes as f64 {
                 let spacing = length / nodes as f64;
@@ -154,7 +250,16 @@ impl Input<'_> {
                 case::BodySupportKind::PinnedX => Hold::PinnedX,
                 case::BodySupportKind::PinnedY => Hold::PinnedY,
             };
-            supports.push((node(format!("{path}.supports.{k}.at"), support.at.0)?, hold));
+            let node = node(format!("{path}.supports.{k}.at"), support.at.0)?;
+            let again = |&(other, held): &(usize, Hold)| other == node && held.meets(hold);
+            if let Some(other) = supports.iter().position(again) {
+                return self.fault(
+                    &format!("{path}.supports.{k}"),
+                    format!("`{path}.supports.{other}` holds this place already"),
+                    "one support at a place; or pinned-x and pinned-y",
+                );
+            }
+            supports.push((node, hold));
         }
         let mut loads = Vec::new();
         for (k, load) in body.loads.iter().enumerate() {
@@ -237,6 +342,10 @@ impl Input<'_> {
             return self.fault(&at("section"), "2322s is a beam of rectangular section", "shape rectangle");
         }
         let (area, inertia) = (section.area(), section.moment(2, 0));
+        let moves = self.case.contact.as_ref().is_some_and(|c| c.until.is_some());
+        if moves && (material.stiffness_damping != 0.0 || material.mass_damping != 0.0) {
+            return self.fault(&at("material"), "2322s has no damping", "a material without damping");
+        }
         let e = material.youngs_modulus;
         let shear = e / (2.0 * (1.0 + material.poisson_ratio));
         let planar = PlanarSection {
@@ -287,12 +396,25 @@ impl Input<'_> {
             },
             "supports": body.supports.iter().map(held).collect::<Vec<_>>(),
         });
-        let model = Model::new(&LoadedCase::from_value(&self.loaded.file, value)?)?;
+        let model = LoadedCase::from_value(&self.loaded.file, value)
+            .and_then(|shaft| Model::new(&shaft))
+            .map_err(|error| self.of_body(path, error))?;
         if model.elements.len() as u64 != body.elements {
             return self.fault(&at("supports"), "a support stands within an element", "an element end");
         }
         let diameter = 2.0 * section.outer[0];
         Ok((Beam::Spatial(Box::new(model)), [diameter, diameter, material.youngs_modulus]))
+    }
+
+    /// What is wrong with a body as a shaft of its own, said of the body.
+    fn of_body(&self, path: &str, error: Error) -> Error {
+        let Error::Input { path: place, problem, allowed, .. } = error else { return error };
+        let place = match place.strip_prefix("shaft.segments.0.").or_else(|| place.strip_prefix("shaft.")) {
+            Some(key) => format!("{path}.{key}"),
+            None if place.starts_with("supports") => format!("{path}.{place}"),
+            None => place,
+        };
+        self.loaded.fault(&place, problem, allowed.replace("shaft", "body"))
     }
 
     /// Axes of a body along a direction: y as upright as it can be.
@@ -392,18 +514,40 @@ impl Input<'_> {
             }
             self.fault(&format!("contact.{key}"), "out of range", format!("{least} to {most}"))
         };
+        if contact.with_itself && !planar {
+            return self.fault("contact.self", "spatial bodies meet each other only", "false");
+        }
         if contact.with_itself {
             // elements nearer along the body than it can bend are left out; less than that leaves nothing
-            if let Some(i) = bodies.iter().position(|b| b.elements < 4 || b.length < 6.0 * b.height) {
+            if let Some(b) = bodies.iter().find(|b| b.elements < 4 || b.length < 6.0 * b.height) {
                 return self.fault(
-                    &format!("bodies.{i}.elements"),
-                    "a body can't touch itself with so few elements or so little length",
+                    "contact.self",
                     format!(
-                        "4 elements and a length of {} m at least; or contact.self false",
-                        6.0 * bodies[i].height
+                        "`{}` can't touch itself: it has {} elements and is {:.3} heights long",
+                        b.name,
+                        b.elements,
+                        b.length / b.height
                     ),
+                    "false; or at least 4 elements and 6 heights of length for every body",
                 );
             }
+        }
+        let segments = whole("segments", contact.segments, 1, 1000)?;
+        let elements: usize = bodies.iter().map(|b| b.elements).sum();
+        if segments * elements > SEGMENTS {
+            return self.fault(
+                "contact.segments",
+                format!("too many segments for {elements} elements"),
+                format!("1 to {}", SEGMENTS / elements),
+            );
+        }
+        let output = whole("output", contact.output, 2, 1_000_000)?;
+        if output * bodies.len() > ROWS {
+            return self.fault(
+                "contact.output",
+                format!("too many points for {} bodies", bodies.len()),
+                format!("2 to {}", ROWS / bodies.len()),
+            );
         }
         let corner_angle = contact.corner_angle.map_or(10.0_f64.to_radians(), |a| a.0);
         if !(0.0..=std::f64::consts::FRAC_PI_2).contains(&corner_angle) {
@@ -413,13 +557,13 @@ impl Input<'_> {
             method,
             penalty,
             point_penalty,
-            segments: whole("segments", contact.segments, 1, 1000)?,
+            segments,
             cut: contact.cut,
             until,
             step,
             stepping,
             with_itself: contact.with_itself,
-            output: whole("output", contact.output, 2, 1_000_000)?,
+            output,
             snapshots: whole("snapshots", contact.snapshots, 1, 12)?,
             load_steps: whole("load_steps", contact.load_steps, 1, 100_000)?,
             corner_angle,
