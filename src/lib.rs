@@ -1,8 +1,8 @@
 //! Rotordynamics on the higher-order ANCF beam element 34X3.
 //!
 //! Data flows one way; each module uses only what stands before it:
-//! `units, error, json, vectors -> case -> model -> element -> assembly, forces, rub, dynamics -> integrate -> analysis ->
-//! results -> plot, report -> study -> cli`.
+//! `units, error, json, vectors -> case -> model -> element -> assembly, forces, rub, dynamics, contact -> integrate ->
+//! analysis -> results -> plot, report -> study -> cli`.
 //!
 //! ```
 //! use rotor::{analysis::modes::modes, case::LoadedCase, model::Model};
