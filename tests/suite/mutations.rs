@@ -277,8 +277,8 @@ proptest! {
     #[test]
     fn mutated_scenes_are_run_or_refused(text in mutated(&SCENES)) {
         let Some(loaded) = feed_scene(&text, true) else { return Ok(()) };
-        // equilibria under absurd loads take all their iterations
-        if loaded.case.contact.as_ref().is_none_or(|c| c.until.is_none()) {
+        // under absurd loads bodies in space take seconds for a load step
+        if loaded.case.bodies.iter().any(|body| body.element != "2322s") {
             return Ok(());
         }
         let calls = AtomicUsize::new(0);
