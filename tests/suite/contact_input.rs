@@ -570,3 +570,18 @@ fn a_ray_is_reported_with_the_state() {
     assert_eq!(results["bodies"][1]["start_m"], json!([0.2, 0.09999995, 0.0]));
     assert_eq!(results["solver"]["complementarity_problems"], 2);
 }
+
+/// A load that nothing carries: no equilibrium, and the report holds the last state found.
+#[test]
+fn a_body_that_nothing_holds_has_no_equilibrium() {
+    let set = json!({ "contact": { "method": "penalty" }, "bodies.1.velocity": null,
+        "bodies.1.loads": [{ "at": 0.5, "force": [0, 10] }] });
+    let (code, message, report) = run("contact", &with(bars(), &set).to_string());
+    assert_eq!(code, 1, "{message}");
+    assert!(
+        message.contains("no equilibrium was found beyond 0.0000") && message.contains("Support every body"),
+        "{message}"
+    );
+    let results = &report.expect("a report")["results"];
+    assert!(results["converged"] == false && results["load_factor"] == 0.0, "{results}");
+}

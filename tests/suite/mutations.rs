@@ -4,13 +4,15 @@
 //! tried, `PROPTEST_RNG_SEED=2` another sequence. A failure prints the text; it goes to `tests/corpus`, as do those
 //! that the fuzzer of `tests/fuzz` finds.
 
-use crate::common::case_files;
+use crate::common::{case_files, scene_files};
 use proptest::prelude::*;
 use proptest::sample::Index;
 use proptest::test_runner::RngSeed;
 use rotor::analysis::check::{check, properties};
+use rotor::analysis::contact;
 use rotor::case::{Case, LoadedCase};
 use rotor::model::Model;
+use rotor::model::scene::Scene;
 use rotor::run::{Analysis, run};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -34,18 +36,23 @@ fn config(cases: u32) -> ProptestConfig {
 }
 
 /// The cases of the repository, two elements to a segment.
-static CASES: LazyLock<Vec<Value>> = LazyLock::new(|| {
-    let read = |path: &std::path::PathBuf| {
-        let mut value = Case::load(path, &[]).unwrap_or_else(|e| panic!("{e}")).value;
-        let segments = value.pointer_mut("/shaft/segments").and_then(Value::as_array_mut);
-        segments.into_iter().flatten().for_each(|segment| segment["elements"] = json!(2));
-        // prose and long lists of what is expected would take most of the changes
-        value["description"] = json!("");
-        value["expected"].as_array_mut().into_iter().for_each(|list| list.truncate(1));
-        value
-    };
-    case_files().iter().map(read).collect()
-});
+static CASES: LazyLock<Vec<Value>> =
+    LazyLock::new(|| case_files().iter().map(|path| small(path, "/shaft/segments", 2)).collect());
+
+/// The contact scenes of the repository, four elements to a body.
+static SCENES: LazyLock<Vec<Value>> =
+    LazyLock::new(|| scene_files().iter().map(|path| small(path, "/bodies", 4)).collect());
+
+/// A case with so many elements in each entry of a list.
+fn small(path: &Path, list: &str, elements: u32) -> Value {
+    let mut value = Case::load(path, &[]).unwrap_or_else(|e| panic!("{e}")).value;
+    let list = value.pointer_mut(list).and_then(Value::as_array_mut);
+    list.into_iter().flatten().for_each(|entry| entry["elements"] = json!(elements));
+    // prose and long lists of what is expected would take most of the changes
+    value["description"] = json!("");
+    value["expected"].as_array_mut().into_iter().for_each(|list| list.truncate(1));
+    value
+}
 
 /// What `rotor check` does with a text, without files: an error of exit code 2, or a report of numbers; without its
 /// estimates, which take most of the time, where not all is asked for.
@@ -59,6 +66,26 @@ fn feed(text: &str, all: bool) -> Option<LoadedCase> {
         if all {
             let outcome = check(&model)?;
             finite(&serde_json::to_value(&outcome.results).unwrap_or_else(|e| panic!("{e}: {text}")), text);
+        }
+        Ok(loaded)
+    });
+    assert!(started.elapsed() < HANG, "{:?}: {text}", started.elapsed());
+    loaded.map_err(|error| assert_eq!(error.exit_code(), 2, "{error}: {text}")).ok()
+}
+
+/// The same of a contact scene.
+fn feed_scene(text: &str, all: bool) -> Option<LoadedCase> {
+    let started = Instant::now();
+    let loaded = Case::parse("mutated.json", text, &[]).and_then(|loaded| {
+        let scene = Scene::new(&loaded)?;
+        if let Some(overlap) = contact::overlap(&scene)? {
+            assert!(overlap.depth.is_finite() && overlap.bodies.0 < overlap.bodies.1, "{overlap:?}: {text}");
+        }
+        if all {
+            let results = contact::check(&scene)?.results;
+            assert!(results.pairs.iter().all(|p| p.gap_m.is_none_or(f64::is_finite)), "not a number: {text}");
+            finite(&json!(results.bodies), text);
+            finite(&json!(results.penalty_n_m3), text);
         }
         Ok(loaded)
     });
@@ -127,7 +154,7 @@ fn changes() -> impl Strategy<Value = Change> {
     ]
 }
 
-fn apply(value: &mut Value, place: &Index, change: &Change) {
+fn apply(value: &mut Value, place: &Index, change: &Change, cases: &[Value]) {
     let mut list = Vec::new();
     places(value, "", &mut list);
     let at = &list[place.index(list.len())];
@@ -153,7 +180,7 @@ fn apply(value: &mut Value, place: &Index, change: &Change) {
             }
         }
         Change::Copy(case, from) => {
-            let other = &CASES[case.index(CASES.len())];
+            let other = &cases[case.index(cases.len())];
             let mut list = Vec::new();
             places(other, "", &mut list);
             let new = other.pointer(&list[from.index(list.len())]).cloned();
@@ -162,11 +189,11 @@ fn apply(value: &mut Value, place: &Index, change: &Change) {
     }
 }
 
-fn mutated() -> impl Strategy<Value = String> {
+fn mutated(cases: &'static LazyLock<Vec<Value>>) -> impl Strategy<Value = String> {
     let list = prop::collection::vec((any::<Index>(), changes()), 1..5);
     (any::<Index>(), list).prop_map(|(case, list)| {
-        let mut value = CASES[case.index(CASES.len())].clone();
-        list.iter().for_each(|(place, change)| apply(&mut value, place, change));
+        let mut value = cases[case.index(cases.len())].clone();
+        list.iter().for_each(|(place, change)| apply(&mut value, place, change, cases));
         value.to_string()
     })
 }
@@ -175,7 +202,7 @@ proptest! {
     #![proptest_config(config(count(100_000)))]
 
     #[test]
-    fn mutated_cases_are_built_or_refused(text in mutated()) {
+    fn mutated_cases_are_built_or_refused(text in mutated(&CASES)) {
         feed(&text, false);
     }
 }
@@ -184,7 +211,7 @@ proptest! {
     #![proptest_config(config(count(100_000) / 50))]
 
     #[test]
-    fn mutated_cases_are_checked_or_refused(text in mutated()) {
+    fn mutated_cases_are_checked_or_refused(text in mutated(&CASES)) {
         feed(&text, true);
     }
 }
@@ -212,7 +239,7 @@ proptest! {
 
     /// Whole analyses of what is accepted: a report of numbers, or an error that says what failed.
     #[test]
-    fn mutated_cases_are_analysed_or_refused(text in mutated()) {
+    fn mutated_cases_are_analysed_or_refused(text in mutated(&CASES)) {
         let Some(loaded) = feed(&text, true) else { return Ok(()) };
         for analysis in [Analysis::Modes, Analysis::Campbell, Analysis::Static, Analysis::Spinup] {
             // a transient is ended after some steps
@@ -222,6 +249,48 @@ proptest! {
                 assert!([1, 2].contains(&error.exit_code()) && !error.to_string().contains("NaN"), "{error}: {text}");
             }
         }
+    }
+}
+
+proptest! {
+    #![proptest_config(config(count(100_000) / 10))]
+
+    #[test]
+    fn mutated_scenes_are_built_or_refused(text in mutated(&SCENES)) {
+        feed_scene(&text, false);
+    }
+}
+
+proptest! {
+    #![proptest_config(config(count(100_000) / 100))]
+
+    #[test]
+    fn mutated_scenes_are_checked_or_refused(text in mutated(&SCENES)) {
+        feed_scene(&text, true);
+    }
+}
+
+proptest! {
+    #![proptest_config(config(count(100_000) / 500))]
+
+    /// A few steps of what is accepted.
+    #[test]
+    fn mutated_scenes_are_run_or_refused(text in mutated(&SCENES)) {
+        let Some(loaded) = feed_scene(&text, true) else { return Ok(()) };
+        // under absurd loads bodies in space take seconds for a load step
+        if loaded.case.bodies.iter().any(|body| body.element != "2322s") {
+            return Ok(());
+        }
+        let calls = AtomicUsize::new(0);
+        let watch = |_: f64, _: &str| calls.fetch_add(1, Ordering::Relaxed) < 3;
+        let started = Instant::now();
+        match run(&loaded, Analysis::Contact, true, &|_| {}, &watch) {
+            Ok(finished) => assert!(!finished.json.to_string().contains("NaN"), "{text}"),
+            Err(error) => {
+                assert!([1, 2].contains(&error.exit_code()) && !error.to_string().contains("NaN"), "{error}: {text}");
+            }
+        }
+        assert!(started.elapsed() < 4 * HANG, "{:?}: {text}", started.elapsed());
     }
 }
 

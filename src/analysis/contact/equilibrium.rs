@@ -16,6 +16,10 @@ use std::time::Instant;
 const ITERATIONS: usize = 60;
 /// Correction of a converged state, over the height.
 const CONVERGED: f64 = 1e-11;
+/// Correction over the height from which, after some iterations, nothing leads back.
+const LOST: f64 = 1e6;
+/// Those iterations.
+const SETTLING: usize = 5;
 /// Times that a load step is halved.
 const HALVINGS: i32 = 10;
 /// Largest correction of an iteration, over the height, while something is near.
@@ -138,6 +142,9 @@ impl<'a> Equilibrium<'a> {
                     .map_err(|e| e.to_string())?;
             if !size.is_finite() {
                 return Err("a correction is not finite".to_owned());
+            }
+            if iteration >= SETTLING && size > LOST * self.height {
+                return Err(format!("Newton's method is lost: a correction of {size:.1e} m"));
             }
             // a correction at the rounding error of the system is the end as well
             let stalled = iteration > 10 && size < 1e-8 * self.height && size >= last / 2.0;
