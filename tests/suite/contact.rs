@@ -497,7 +497,10 @@ fn complementarity_takes_energy_and_its_scalar_form_gives() {
     assert!((-0.1..0.001).contains(&change), "{change}");
     assert!(lcp.largest_penetration_m < 1e-6 && lcp.solver.largest_problem > 5);
     assert!(lcp.momentum_residual.is_some_and(|r| r < 1e-9));
-    let single = run(&with(&plain, json!({ "contact.method": "lcp-single" })));
+    let outcome = contact(&scene(&with(&plain, json!({ "contact.method": "lcp-single" }))), &|_, _| true);
+    let outcome = outcome.expect("runs");
+    assert!(outcome.diagnostics.iter().any(|d| d.code == "energy-gain"), "{:?}", outcome.diagnostics);
+    let single = outcome.results;
     assert!(single.energy_error.expect("energies") > 0.2, "{:?}", single.energy_error);
     assert!(single.largest_penetration_m > 10.0 * lcp.largest_penetration_m);
 }

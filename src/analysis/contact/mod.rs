@@ -25,6 +25,9 @@ pub type Watch<'a> = &'a (dyn Fn(f64, &str) -> bool + Sync);
 /// Overlap at the start that is rounding, over the height.
 const TOUCHING: f64 = 1e-6;
 
+/// Gain of energy, over the largest kinetic energy, that is warned of.
+const GAINED: f64 = 0.01;
+
 /// Detection of planar or spatial bodies, in equilibrium.
 pub enum Detector {
     /// 2322s.
@@ -217,6 +220,15 @@ fn moving(bodies: &Bodies<'_>, until: f64, watch: Watch<'_>) -> Result<Outcome<C
         }
     }
     let change = recorder.energy_change();
+    if let Some((_, gained)) = change.filter(|(_, gained)| *gained > GAINED) {
+        diagnostics.push(Diagnostic::warning(
+            "energy-gain",
+            format!(
+                "the motion gains {gained:.1e} of its largest kinetic energy: take a smaller contact.step, or the \
+                 energy-consistent integrator with the method penalty"
+            ),
+        ));
+    }
     let residuals = recorder.momentum_residuals();
     let mut stats = motion.stats;
     stats.searches = motion.search.counts.searches;
@@ -375,6 +387,9 @@ fn summary(bodies: &Bodies<'_>) -> ModelSummary {
     } else {
         modelled.push(contact);
         left_out.push("friction: contact acts along the normal only".to_owned());
+        if !scene.is_planar() {
+            left_out.push("ends of bodies: their lateral surfaces meet".to_owned());
+        }
         if !scene.contact.with_itself {
             left_out.push("contact of a body with itself: contact.self is false".to_owned());
         }
