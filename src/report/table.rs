@@ -489,6 +489,9 @@ pub fn contact(results: &Contact) -> String {
             "\n  energy: largest change {error:.2e}, at the end {last:+.2e} of the largest kinetic energy\n"
         );
     }
+    if let (Some(momentum), Some(angular)) = (results.momentum_residual, results.angular_momentum_residual) {
+        text += &format!("  momentum: missing at most {momentum:.2e}, of the angular one {angular:.2e}\n");
+    }
     let solver = &results.solver;
     text += &format!(
         "  {} steps, {} cut, {} Newton iterations, {} complementarity problems, {} searches\n",
