@@ -47,7 +47,7 @@ fn row(stem: &str, until: f64, step: f64, method: &str, integrator: &str) {
             r.energy_error.unwrap_or(f64::NAN),
             r.energy_change.unwrap_or(f64::NAN),
             r.largest_penetration_m,
-            r.events.first().map_or("-".to_owned(), |e| format!("{:.4}", e.from_s)),
+            r.events.first().map_or("-".to_owned(), |e| format!("{:.4}", e.time_s)),
         ),
     }
 }

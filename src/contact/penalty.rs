@@ -4,6 +4,31 @@
 use super::gap::{Gap, along, product, values};
 use crate::linalg::lu::Entries;
 
+/// What meets what.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Model {
+    /// Corners, or round beams that cross.
+    PointToPoint,
+    /// A corner, or a node of a side, and a side or an end face.
+    PointToSegment,
+    /// Sides, or round beams along each other.
+    LineToLine,
+}
+
+impl Model {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::PointToPoint, Self::PointToSegment, Self::LineToLine];
+
+    /// Name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PointToPoint => "point-to-point",
+            Self::PointToSegment => "point-to-segment",
+            Self::LineToLine => "line-to-line",
+        }
+    }
+}
+
 /// A gap that a spring closes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spring {
@@ -13,8 +38,8 @@ pub struct Spring {
     pub bodies: (usize, usize),
     /// Positions along the axes of both, m.
     pub positions: [f64; 2],
-    /// True when it belongs to a line, false at a point.
-    pub line: bool,
+    /// What meets what.
+    pub model: Model,
     /// The gap.
     pub gap: Gap,
 }

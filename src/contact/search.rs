@@ -10,7 +10,7 @@
 use super::bodies::Bodies;
 use super::boundary::{FACING, Face, Hit, Reach, differentiable, faces, gap, normal, on_curve};
 use super::detect::{Aabb, OrientedBox, bezier, clip, near_pairs};
-use super::penalty::Spring;
+use super::penalty::{Model, Spring};
 use crate::model::scene::{ContactSettings, Enforcement, Face as Place, Scene};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -34,6 +34,8 @@ const STRIDE: f64 = 0.2;
 const SEEN: f64 = 0.22;
 /// Self-contact: distance along the body, in heights, that neighbours have.
 const NEIGHBOURS: f64 = 3.0;
+/// Distance in heights from a corner within which another corner is said to meet it, not the face beside it.
+const AT_CORNER: f64 = 0.05;
 /// Penetration in heights beyond which a curve is not the one that a point of a line has passed through.
 const LAYER: f64 = 0.45;
 /// What the distance to a boundary is multiplied by on the way out past an end of the side that a point faces.
@@ -428,11 +430,20 @@ impl Search {
     /// A probe's hit as a spring.
     pub fn spring(&self, probe: &Probe, hit: &Hit) -> Spring {
         let (slave, master) = (&self.faces[probe.slave.0], &self.faces[hit.face]);
+        let neighbour = &self.faces[if hit.zeta > 0.0 { master.next } else { master.previous }];
+        let to_end = (1.0 - hit.zeta.abs()) / 2.0 * master.length;
+        let model = match probe.kind {
+            Kind::Line => Model::LineToLine,
+            Kind::Corner if master.corner(neighbour) && to_end < AT_CORNER * self.height => {
+                Model::PointToPoint
+            }
+            Kind::Corner | Kind::Node => Model::PointToSegment,
+        };
         Spring {
             weight: probe.weight,
             bodies: (slave.body, master.body),
             positions: [slave.position(probe.slave.1), master.position(hit.zeta)],
-            line: probe.kind != Kind::Corner,
+            model,
             gap: differentiable(&self.faces, probe.slave, hit),
         }
     }

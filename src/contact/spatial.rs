@@ -7,7 +7,7 @@
 use super::bodies::Bodies;
 use super::detect::{Aabb, OrientedBox, bezier, bezier_cubic, near_pairs};
 use super::gap::{Free, Gap, Point};
-use super::penalty::Spring;
+use super::penalty::{Model, Spring};
 use super::search::{Counts, Key, slave_of};
 use super::start::rods;
 use crate::element::basis::{derivative, evaluate, lagrange};
@@ -185,7 +185,7 @@ impl Search {
                     let weight = scene.contact.point_penalty[slave];
                     list.push((
                         (number, 0, master),
-                        Spring { weight, bodies: pair, positions, line: false, gap },
+                        Spring { weight, bodies: pair, positions, model: Model::PointToPoint, gap },
                     ));
                 }
                 continue;
@@ -209,7 +209,7 @@ impl Search {
                             let positions = [s.position(s_at), m.position(m_at)];
                             list.push((
                                 (number, 0, master),
-                                Spring { weight, bodies: pair, positions, line: true, gap },
+                                Spring { weight, bodies: pair, positions, model: Model::LineToLine, gap },
                             ));
                         }
                     }

@@ -3,7 +3,7 @@
 use super::panels::{self, Curve, Panel, STROKES, Surroundings, figure};
 use super::style::{self, Line, Point, Stroke};
 use crate::error::Result;
-use crate::results::{Contact, ContactHistory, Report, Snapshot};
+use crate::results::{Contact, ContactEnergy, ContactHistory, Report, Snapshot};
 
 const TIME: (&str, &str) = ("Time", "s");
 /// Height over width of a scene from which it is drawn in two and in three columns.
@@ -23,7 +23,9 @@ pub fn svg(report: &Report<Contact>) -> Result<Vec<(String, String)>> {
     let mut figures = vec![("contact-scene.svg".to_owned(), scene(report)?)];
     if let Some(history) = &report.results.history {
         figures.push(("contact-gap.svg".to_owned(), gap(report, history)?));
-        figures.push(("contact-energy.svg".to_owned(), energy(report, history)?));
+    }
+    if let (Some(history), Some(list)) = (&report.results.history, &report.results.energy_j) {
+        figures.push(("contact-energy.svg".to_owned(), energy(report, &history.time_s, list)?));
     }
     figures.push(("contact-cost.svg".to_owned(), cost(report)?));
     Ok(figures)
@@ -118,7 +120,7 @@ fn gap(report: &Report<Contact>, h: &ContactHistory) -> Result<String> {
     let results = &report.results;
     let end = h.time_s.last().copied().unwrap_or_default();
     let bands: Vec<(f64, f64)> =
-        results.events.iter().map(|e| (e.from_s, e.until_s.unwrap_or(end))).collect();
+        results.events.iter().map(|e| (e.time_s, e.until_s.unwrap_or(end))).collect();
     // pairs that nothing was measured of are left out
     let shown: Vec<usize> = (0..h.pairs.len())
         .filter(|&i| h.gap_m[i].iter().any(Option::is_some) || !h.touches[i].is_empty())
@@ -176,19 +178,19 @@ fn contacts(results: &Contact) -> String {
     };
     format!(
         "{count}, the first at {} s, largest penetration {} m.",
-        style::significant(results.events[0].from_s, 4),
+        style::significant(results.events[0].time_s, 4),
         style::significant(results.largest_penetration_m, 3)
     )
 }
 
 /// Energies, and the change of their sum.
-fn energy(report: &Report<Contact>, h: &ContactHistory) -> Result<String> {
+fn energy(report: &Report<Contact>, time: &[f64], e: &ContactEnergy) -> Result<String> {
     let named = [
-        ("kinetic", &h.kinetic_j),
-        ("strain", &h.strain_j),
-        ("potential of gravity", &h.gravity_j),
-        ("work of the loads", &h.work_j),
-        ("contact springs", &h.contact_j),
+        ("kinetic", &e.kinetic),
+        ("strain", &e.strain),
+        ("potential of gravity", &e.gravity),
+        ("work of the loads", &e.work),
+        ("contact springs", &e.contact),
     ];
     let size = |values: &[f64]| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
     let largest = named.iter().map(|(_, values)| size(values)).fold(0.0, f64::max);
@@ -197,14 +199,14 @@ fn energy(report: &Report<Contact>, h: &ContactHistory) -> Result<String> {
         .filter(|(_, values)| size(values) > SEEN * largest)
         .map(|(name, values)| (name, values.clone()))
         .collect();
-    let start = h.total_j.first().copied().unwrap_or_default();
-    let change = h.total_j.iter().map(|total| total - start).collect();
+    let start = e.total.first().copied().unwrap_or_default();
+    let change = e.total.iter().map(|total| total - start).collect();
     let list = [
-        Panel::over(TIME, ("Energy", "J"), &h.time_s, curves),
+        Panel::over(TIME, ("Energy", "J"), time, curves),
         Panel::over(
             TIME,
             ("Change of the sum", "J"),
-            &h.time_s,
+            time,
             vec![("sum of the energies less the work", change)],
         ),
     ];

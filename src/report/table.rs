@@ -404,7 +404,7 @@ pub fn scene(results: &SceneCheck) -> String {
     if !results.pairs.is_empty() {
         let gap = |gap: Option<f64>| gap.map_or("-".to_owned(), |g| format!("{g:.6e}"));
         let pairs: Vec<Vec<String>> =
-            results.pairs.iter().map(|p| vec![p.bodies.join(" - "), gap(p.gap_m)]).collect();
+            results.pairs.iter().map(|p| vec![p.pair.join(" - "), gap(p.gap_m)]).collect();
         text += "\n";
         text += &columns(&["pair", "gap at the start (m)"], &pairs);
     }
@@ -448,11 +448,11 @@ pub fn contact(results: &Contact) -> String {
         .iter()
         .map(|p| {
             vec![
-                p.bodies.join(" - "),
+                p.pair.join(" - "),
                 p.gap_m.map_or("-".to_owned(), |g| format!("{g:.6e}")),
                 format!("{:.3e}", p.penetration_m),
                 format!("{:.4e}", p.force_n.iter().map(|f| f * f).sum::<f64>().sqrt()),
-                p.kind.to_owned(),
+                p.kind.unwrap_or("none").to_owned(),
             ]
         })
         .collect();
@@ -468,12 +468,12 @@ pub fn contact(results: &Contact) -> String {
             .take(SHOWN)
             .map(|e| {
                 vec![
-                    e.bodies.join(" - "),
-                    format!("{:.6}", e.from_s),
+                    e.pair.join(" - "),
+                    format!("{:.6}", e.time_s),
                     e.until_s.map_or("-".to_owned(), |t| format!("{t:.6}")),
-                    format!("{:.3e}", e.penetration_m),
+                    format!("{:.3e}", -e.gap_m),
                     format!("{:.4e}", e.force_n),
-                    e.kind.to_owned(),
+                    e.kinds.join(", "),
                 ]
             })
             .collect();

@@ -10,6 +10,7 @@ pub struct Contact {
     /// Of a motion "energy-consistent" or "semi-implicit-euler"; null in equilibrium.
     pub integrator: Option<&'static str>,
     /// Pressure per penetration along lines.
+    #[serde(rename = "penalty_N_m3")]
     pub penalty_n_m3: f64,
     /// Whether the whole load or the whole time was reached.
     pub converged: bool,
@@ -38,6 +39,9 @@ pub struct Contact {
     pub solver: ContactSolver,
     /// A motion over time.
     pub history: Option<ContactHistory>,
+    /// Its energies, at the instants of the history.
+    #[serde(rename = "energy_J")]
+    pub energy_j: Option<ContactEnergy>,
     /// Shapes for drawing.
     #[serde(skip)]
     pub snapshots: Vec<Snapshot>,
@@ -58,6 +62,7 @@ pub struct SceneCheck {
     /// As in [`Contact`].
     pub method: &'static str,
     /// Pressure per penetration along lines.
+    #[serde(rename = "penalty_N_m3")]
     pub penalty_n_m3: f64,
     /// Of a motion, as in [`Contact`].
     pub integrator: Option<&'static str>,
@@ -104,7 +109,7 @@ pub struct BodyCheck {
 #[derive(Debug, Clone, Serialize)]
 pub struct PairCheck {
     /// Names.
-    pub bodies: [String; 2],
+    pub pair: [String; 2],
     /// Smallest gap: at nodes of either boundary, of spatial bodies between the nearest places of their axes; null where an
     /// end of one is what is nearest.
     pub gap_m: Option<f64>,
@@ -133,9 +138,9 @@ pub struct BodyState {
 #[derive(Debug, Clone, Serialize)]
 pub struct PairState {
     /// Names.
-    pub bodies: [String; 2],
-    /// "line", "point", "line and point" or "none".
-    pub kind: &'static str,
+    pub pair: [String; 2],
+    /// "point-to-point", "point-to-segment" or "line-to-line", what carries most; null when they don't touch.
+    pub kind: Option<&'static str>,
     /// Probes that are in contact.
     pub points: usize,
     /// Smallest gap: at nodes of either boundary, and wherever contact is enforced.
@@ -143,6 +148,7 @@ pub struct PairState {
     /// Largest penetration where contact is enforced.
     pub penetration_m: f64,
     /// Resultant force on the first body.
+    #[serde(rename = "force_N")]
     pub force_n: [f64; 3],
     /// Angle between the axes where they are nearest (spatial bodies).
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -153,20 +159,24 @@ pub struct PairState {
 #[derive(Debug, Clone, Serialize)]
 pub struct ContactEvent {
     /// Names.
-    pub bodies: [String; 2],
-    /// "line", "point" or "line and point".
+    pub pair: [String; 2],
+    /// "point-to-point", "point-to-segment" or "line-to-line", what carries most of the impulse.
     pub kind: &'static str,
+    /// All kinds that take part.
+    pub kinds: Vec<&'static str>,
     /// Beginning: when the first gap closes, interpolated within its step.
-    pub from_s: f64,
+    pub time_s: f64,
     /// End: when the last gap opens; null when it lasts.
     pub until_s: Option<f64>,
     /// Place of the first contact along either axis.
     pub positions_m: [f64; 2],
-    /// Largest penetration.
-    pub penetration_m: f64,
+    /// Smallest gap, the largest penetration with a minus.
+    pub gap_m: f64,
     /// Largest resultant force.
+    #[serde(rename = "force_N")]
     pub force_n: f64,
     /// Impulse on the first body.
+    #[serde(rename = "impulse_N_s")]
     pub impulse_n_s: [f64; 2],
 }
 
@@ -201,27 +211,33 @@ pub struct ContactHistory {
     /// Smallest gap of each pair.
     pub gap_m: Vec<Vec<Option<f64>>>,
     /// Size of the resultant force of each pair.
+    #[serde(rename = "force_N")]
     pub force_n: Vec<Vec<f64>>,
     /// Of each pair, for drawing: time, largest penetration and force of every step in contact, with zeros where it begins and
     /// ends.
     #[serde(skip)]
     pub touches: Vec<Vec<[f64; 3]>>,
-    /// Kinetic energy.
-    pub kinetic_j: Vec<f64>,
-    /// Strain energy.
-    pub strain_j: Vec<f64>,
-    /// Energy in penalty springs.
-    pub contact_j: Vec<f64>,
-    /// Potential of gravity, zero at the start.
-    pub gravity_j: Vec<f64>,
-    /// Work that the loads have done.
-    pub work_j: Vec<f64>,
-    /// Sum of the energies less the work.
-    pub total_j: Vec<f64>,
     /// Ends of the axes: `[body][time]` of `[start x, start y, end x, end y]`.
     pub ends_m: Vec<Vec<[f64; 4]>>,
     /// Mean velocity (momentum over mass) of each body.
     pub velocity_m_s: Vec<Vec<[f64; 2]>>,
+}
+
+/// Energies of a motion, one entry per instant of its history, J.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct ContactEnergy {
+    /// Kinetic energy.
+    pub kinetic: Vec<f64>,
+    /// Strain energy.
+    pub strain: Vec<f64>,
+    /// Energy in penalty springs.
+    pub contact: Vec<f64>,
+    /// Potential of gravity, zero at the start.
+    pub gravity: Vec<f64>,
+    /// Work that the loads have done.
+    pub work: Vec<f64>,
+    /// Sum of the energies less the work.
+    pub total: Vec<f64>,
 }
 
 /// The scene at one instant, for drawing.

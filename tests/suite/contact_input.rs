@@ -471,9 +471,9 @@ fn bodies_may_touch_at_the_start() {
         let set = json!({ "bodies.0.supports": held, "gravity": [0, -9.81, 0] });
         let lying = done(&with(with(touching.clone(), &method), &set));
         let event = &lying["events"][0];
-        assert!(event["from_s"] == 0.0 && event["until_s"].is_null(), "{method}: {event}");
+        assert!(event["time_s"] == 0.0 && event["until_s"].is_null(), "{method}: {event}");
         // what holds it against its weight, but for the momentum of its bouncing
-        let impulse = event["impulse_n_s"][1].as_f64().expect("a number");
+        let impulse = event["impulse_N_s"][1].as_f64().expect("a number");
         assert!((impulse / (-weight * 0.1) - 1.0).abs() < 0.05, "{method}: {impulse}");
         let moved = lying["bodies"][1]["start_displacement_m"][1].as_f64().expect("a number");
         assert!(moved.abs() < 1e-3, "{method}: {moved}");

@@ -21,7 +21,7 @@ fn met(element: &str, segments: usize) -> [f64; 2] {
     );
     let scene = Scene::new(&loaded).unwrap_or_else(|e| panic!("{e}"));
     let results = contact(&scene, &|_, _| true).expect("runs").results;
-    assert!(results.converged && results.pairs[0].kind == "line", "{element} {segments}");
+    assert!(results.converged && results.pairs[0].kind == Some("line-to-line"), "{element} {segments}");
     [results.largest_penetration_m, results.pairs[0].force_n[1].abs()]
 }
 

@@ -71,7 +71,7 @@ fn gaps(bodies: &Bodies<'_>) -> Vec<PairCheck> {
     }
     let detector = Detector::new(bodies);
     let one = |(a, b): (usize, usize)| PairCheck {
-        bodies: [a, b].map(|i| scene.bodies[i].name.clone()),
+        pair: [a, b].map(|i| scene.bodies[i].name.clone()),
         gap_m: detector.distance(bodies, (a, b), bodies.reference()),
     };
     super::pairs(scene).into_iter().filter(|(a, b)| a != b).map(one).collect()

@@ -12,7 +12,7 @@ use crate::contact::search::{Counts, Key, Search};
 use crate::contact::{spatial, start};
 use crate::error::Result;
 use crate::model::scene::{Action, ContactSettings, Enforcement, Scene, Stepping, Unused};
-use crate::results::{BodyState, Contact, ContactHistory, Diagnostic, ModelSummary, PairState};
+use crate::results::{BodyState, Contact, Diagnostic, ModelSummary, PairState};
 pub use check::check;
 use equilibrium::Equilibrium;
 use motion::Motion;
@@ -254,6 +254,7 @@ fn moving(bodies: &Bodies<'_>, until: f64, watch: Watch<'_>) -> Result<Outcome<C
         angular_momentum_residual: residuals.map(|r| r[1]),
         solver: stats,
         history: Some(recorder.history),
+        energy_j: Some(recorder.energy),
         snapshots: recorder.snapshots,
         cost: motion.cost,
     };
@@ -295,7 +296,8 @@ fn resting(bodies: &Bodies<'_>, watch: Watch<'_>) -> Result<Outcome<Contact>> {
         momentum_residual: None,
         angular_momentum_residual: None,
         solver: state.stats,
-        history: None::<ContactHistory>,
+        history: None,
+        energy_j: None,
         snapshots,
         cost: state.cost,
     };
@@ -307,23 +309,23 @@ fn resting_pairs(bodies: &Bodies<'_>, detector: &Detector, state: &equilibrium::
     let one = |(a, b): (usize, usize)| {
         let own = |s: &Spring| s.pair() == (a, b);
         let mut pair = PairState {
-            bodies: [a, b].map(|i| scene.bodies[i].name.clone()),
-            kind: "none",
+            pair: [a, b].map(|i| scene.bodies[i].name.clone()),
+            kind: None,
             points: 0,
             gap_m: detector.distance(bodies, (a, b), &state.q),
             penetration_m: 0.0,
             force_n: [0.0; 3],
             angle_deg: detector.angle((a, b)).map(f64::to_degrees),
         };
-        let mut kinds = [false; 2];
+        let mut shares = [0.0; 3];
         for (spring, force) in state.springs.iter().zip(&state.forces).filter(|(s, f)| own(s) && **f > 0.0) {
             pair.points += 1;
-            kinds[usize::from(!spring.line)] = true;
+            shares[spring.model as usize] += force;
             pair.penetration_m = pair.penetration_m.max(spring.penetration());
             let sign = if spring.bodies.0 == a { *force } else { -force };
             (0..3).for_each(|c| pair.force_n[c] += sign * spring.gap.pull()[c]);
         }
-        pair.kind = kind(kinds[0], kinds[1]);
+        pair.kind = kind(&shares);
         if pair.penetration_m > 0.0 {
             pair.gap_m = Some(pair.gap_m.unwrap_or(0.0).min(-pair.penetration_m));
         }

@@ -5,7 +5,7 @@ use super::record::{Energies, Recorder, Touch};
 use crate::contact::bodies::Bodies;
 use crate::contact::boundary::Hit;
 use crate::contact::gap::Gap;
-use crate::contact::penalty::{self, Spring, Stroke};
+use crate::contact::penalty::{self, Model, Spring, Stroke};
 use crate::contact::search::{Probe, Search};
 use crate::error::{Error, Result};
 use crate::linalg::factor::Ldlt;
@@ -317,7 +317,7 @@ impl<'a> Motion<'a> {
             touches.push(Touch {
                 bodies: spring.bodies,
                 positions: spring.positions,
-                line: spring.line,
+                model: spring.model,
                 penetration: -high,
                 force: spring.gap.pull() * (-0.5 * spring.weight * (low + high)),
                 within: Touch::within(stroke.before, stroke.after),
@@ -402,7 +402,7 @@ impl<'a> Motion<'a> {
             touches.extend(springs.iter().filter(|s| s.gap.value < 0.0).map(|s| Touch {
                 bodies: s.bodies,
                 positions: s.positions,
-                line: s.line,
+                model: s.model,
                 penetration: s.penetration(),
                 force: s.gap.pull() * (s.weight * s.penetration()),
                 within: [0.0, 1.0],
@@ -439,7 +439,7 @@ impl<'a> Motion<'a> {
                 touches.push(Touch {
                     bodies: c.bodies,
                     positions: c.positions,
-                    line: c.line,
+                    model: c.model,
                     penetration: (-c.gap.value).max(0.0),
                     force: c.gap.pull() * (impulse / dt),
                     within: [0.0, 1.0],
@@ -505,7 +505,7 @@ impl<'a> Motion<'a> {
                 list.push(Contact {
                     bodies: spring.bodies,
                     positions: spring.positions,
-                    line: spring.line,
+                    model: spring.model,
                     gap: spring.gap,
                     gradient,
                 });
@@ -572,7 +572,7 @@ impl<'a> Motion<'a> {
 struct Contact {
     bodies: (usize, usize),
     positions: [f64; 2],
-    line: bool,
+    model: Model,
     gap: Gap,
     gradient: Vec<(usize, f64)>,
 }

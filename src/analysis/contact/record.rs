@@ -2,9 +2,10 @@
 
 use crate::contact::bodies::{Bodies, Motion as Momenta};
 use crate::contact::boundary::{faces, on_curve};
+use crate::contact::penalty::Model;
 use crate::contact::search::Search;
 use crate::model::scene::{Body, Face, Scene};
-use crate::results::{ContactEvent, ContactHistory, PairState, Snapshot};
+use crate::results::{ContactEnergy, ContactEvent, ContactHistory, PairState, Snapshot};
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
 
@@ -49,8 +50,8 @@ pub struct Touch {
     pub bodies: (usize, usize),
     /// Along the axes of both, m.
     pub positions: [f64; 2],
-    /// Of a line, not a point.
-    pub line: bool,
+    /// What meets what.
+    pub model: Model,
     /// m.
     pub penetration: f64,
     /// On the slave, N.
@@ -84,14 +85,13 @@ pub fn pairs(scene: &Scene) -> Vec<(usize, usize)> {
         .collect()
 }
 
-/// "line", "point", "line and point" or "none".
-pub fn kind(line: bool, point: bool) -> &'static str {
-    match (line, point) {
-        (true, true) => "line and point",
-        (true, false) => "line",
-        (false, true) => "point",
-        (false, false) => "none",
-    }
+/// Shares of a contact by model.
+pub type Shares = [f64; Model::ALL.len()];
+
+/// The model that carries most, if any does.
+pub fn kind(shares: &Shares) -> Option<&'static str> {
+    let most = Model::ALL.into_iter().max_by(|a, b| shares[*a as usize].total_cmp(&shares[*b as usize]))?;
+    (shares[most as usize] > 0.0).then(|| most.name())
 }
 
 /// A pair of bodies in the course of the motion.
@@ -100,8 +100,8 @@ struct Pair {
     names: [String; 2],
     /// Event that goes on.
     open: Option<usize>,
-    /// Line and point probes of that event.
-    kinds: [bool; 2],
+    /// Impulse of that event by model, N s.
+    shares: Shares,
     /// On the first body in the last step, N.
     force: Vector3<f64>,
     penetration: f64,
@@ -127,6 +127,8 @@ pub struct Recorder<'a> {
     pub events: Vec<ContactEvent>,
     /// Over time.
     pub history: ContactHistory,
+    /// Energies over time.
+    pub energy: ContactEnergy,
     /// Shapes.
     pub snapshots: Vec<Snapshot>,
     /// Largest penetration, m.
@@ -155,6 +157,7 @@ impl<'a> Recorder<'a> {
             pairs: Vec::new(),
             events: Vec::new(),
             history,
+            energy: ContactEnergy::default(),
             snapshots: Vec::new(),
             penetration: 0.0,
             start,
@@ -179,7 +182,7 @@ impl<'a> Recorder<'a> {
             bodies: (a, b),
             names,
             open: None,
-            kinds: [false; 2],
+            shares: [0.0; 3],
             force: Vector3::zeros(),
             penetration: 0.0,
             points: 0,
@@ -226,25 +229,27 @@ impl<'a> Recorder<'a> {
             }
             drawn.push([t, pair.penetration, pair.force.norm()]);
             let index = *pair.open.get_or_insert_with(|| {
-                pair.kinds = [false; 2];
+                pair.shares = [0.0; 3];
                 let [slave, master] = first.positions;
                 self.events.push(ContactEvent {
-                    bodies: pair.names.clone(),
-                    kind: "none",
-                    from_s: begin + dt * own.iter().map(|t| t.within[0]).fold(1.0, f64::min),
+                    pair: pair.names.clone(),
+                    kind: first.model.name(),
+                    kinds: Vec::new(),
+                    time_s: begin + dt * own.iter().map(|t| t.within[0]).fold(1.0, f64::min),
                     until_s: None,
                     positions_m: if first.bodies.0 == a { [slave, master] } else { [master, slave] },
-                    penetration_m: 0.0,
+                    gap_m: 0.0,
                     force_n: 0.0,
                     impulse_n_s: [0.0; 2],
                 });
                 self.events.len() - 1
             });
-            pair.kinds[0] |= own.iter().any(|t| t.line);
-            pair.kinds[1] |= own.iter().any(|t| !t.line);
+            own.iter().for_each(|t| pair.shares[t.model as usize] += t.force.norm() * dt);
             let event = &mut self.events[index];
-            event.kind = kind(pair.kinds[0], pair.kinds[1]);
-            event.penetration_m = event.penetration_m.max(pair.penetration);
+            event.kind = kind(&pair.shares).unwrap_or(event.kind);
+            event.kinds =
+                Model::ALL.into_iter().filter(|m| pair.shares[*m as usize] > 0.0).map(Model::name).collect();
+            event.gap_m = event.gap_m.min(-pair.penetration);
             event.force_n = event.force_n.max(pair.force.norm());
             event.impulse_n_s[0] += pair.force.x * dt;
             event.impulse_n_s[1] += pair.force.y * dt;
@@ -267,12 +272,13 @@ impl<'a> Recorder<'a> {
             history.gap_m[i].push(pair.gap(gap));
             history.force_n[i].push(pair.force.norm());
         }
-        history.kinetic_j.push(energies.motion.kinetic);
-        history.strain_j.push(energies.strain);
-        history.contact_j.push(energies.contact);
-        history.gravity_j.push(energies.gravity);
-        history.work_j.push(energies.work);
-        history.total_j.push(energies.total());
+        let list = &mut self.energy;
+        list.kinetic.push(energies.motion.kinetic);
+        list.strain.push(energies.strain);
+        list.contact.push(energies.contact);
+        list.gravity.push(energies.gravity);
+        list.work.push(energies.work);
+        list.total.push(energies.total());
         let mut momentum = vec![0.0; q.len()];
         bodies.mass_times(v, &mut momentum);
         let mut sum = 0.0;
@@ -296,8 +302,8 @@ impl<'a> Recorder<'a> {
     /// State of every pair after the last step.
     pub fn pair_states(&self, bodies: &Bodies<'_>, search: &Search, q: &[f64]) -> Vec<PairState> {
         let one = |pair: &Pair| PairState {
-            bodies: pair.names.clone(),
-            kind: pair.open.map_or("none", |event| self.events[event].kind),
+            pair: pair.names.clone(),
+            kind: pair.open.map(|event| self.events[event].kind),
             points: pair.points,
             gap_m: pair.gap(search.distance(bodies, pair.bodies, q)),
             penetration_m: pair.penetration,
