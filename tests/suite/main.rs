@@ -10,6 +10,7 @@ mod contact_segments;
 mod convergence;
 mod convergence_figure;
 mod detect;
+mod disks;
 mod element;
 mod frames;
 mod golden;
