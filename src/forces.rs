@@ -34,11 +34,11 @@ impl ElementForces {
         let (section, material) = (&model.sections[e.section], &model.materials[e.material]);
         let (r, quadrature) = (model.reference_length, model.quadrature);
         if let Some(element) = RingElement::new(e.kind, section, material, e.length, r, quadrature) {
-            return Ok(Self::Ring(Box::new(element)));
+            return Ok(Self::Ring(Box::new(element.with_instructions(model.instructions))));
         }
         if e.kind.law != Law::Structural {
             let element = NonlinearElement::new(e.kind, section, material, e.length, r, quadrature);
-            return Ok(Self::Continuum(Box::new(element)));
+            return Ok(Self::Continuum(Box::new(element.with_instructions(model.instructions))));
         }
         if material.stiffness_damping != 0.0 {
             return Err(Error::Usage(

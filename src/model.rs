@@ -6,6 +6,7 @@ mod choice;
 mod mesh;
 pub mod scene;
 
+use crate::instructions::Instructions;
 use crate::section::{Section, Surface};
 use crate::vectors::SectionBasis;
 
@@ -528,6 +529,8 @@ pub struct Model {
     pub tractions: Vec<Traction>,
     /// Integration of nonlinear forces.
     pub quadrature: Quadrature,
+    /// Vector instructions of the force kernels.
+    pub instructions: Instructions,
     /// Modes to report.
     pub modes: usize,
     /// Sweep, when the case has one.

@@ -11,6 +11,7 @@ use super::{
     SectionHold, Support, SupportKind, WhirlFrame,
 };
 use crate::case::{self, Case, LoadedCase, nearest};
+use crate::instructions::Instructions;
 use crate::error::Result;
 use crate::section::{Section, Shape, Surface};
 use crate::vectors::SectionBasis;
@@ -48,6 +49,7 @@ impl Model {
             loads,
             tractions,
             quadrature: input.quadrature()?,
+            instructions: Instructions::Widest,
             statics: input.statics()?,
             spinup: input.spinup(&mesh, &sections)?,
             modes: input.modes()?,

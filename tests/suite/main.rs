@@ -20,6 +20,7 @@ mod integrators;
 mod interrupted;
 mod lcp;
 mod limits;
+mod machines;
 mod mutations;
 mod nonlinear;
 mod plots;
