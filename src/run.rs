@@ -152,7 +152,7 @@ pub fn run(
 }
 
 /// Whether a case is a contact scene.
-fn is_scene(loaded: &LoadedCase) -> bool {
+pub(crate) fn is_scene(loaded: &LoadedCase) -> bool {
     let case = &loaded.case;
     case.shaft.is_none() && (!case.bodies.is_empty() || case.contact.is_some())
 }

@@ -24,8 +24,8 @@ const SEGMENTS: usize = 1_000_000;
 /// Most rows of the history, summed over the bodies.
 const ROWS: usize = 10_000_000;
 /// Blocks of a shaft case that mean nothing in a scene.
-const OF_SHAFTS: [&str; 9] =
-    ["disks", "supports", "loads", "probes", "modes", "campbell", "static", "spinup", "tradeoff"];
+const OF_SHAFTS: [&str; 8] =
+    ["disks", "supports", "loads", "probes", "modes", "campbell", "static", "spinup"];
 /// Most steps of a motion.
 const STEPS: f64 = 1e8;
 
