@@ -354,4 +354,11 @@ fn commands_of_the_readme_run() {
         commands += 1;
     }
     assert!(commands >= 5, "only {commands} commands found");
+    // git ignores what they write: everything is in reports/, where only a page is kept
+    assert_eq!(files(folder.path()), ["cases", "reports", "studies"]);
+    assert_eq!(files(&folder.path().join("cases")), files(&project().join("cases")));
+    assert_eq!(files(&folder.path().join(study)), files(&project().join(study)));
+    let ignored = read(project().join(".gitignore"));
+    assert!(ignored.lines().any(|l| l == "/reports/*") && ignored.lines().any(|l| l == "!/reports/README.md"));
+    assert!(!folder.path().join("reports/README.md").exists());
 }
