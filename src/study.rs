@@ -8,7 +8,7 @@ mod store;
 
 use crate::analysis::tradeoff::{self as design, Measured, Reference, Settings, Subject};
 use crate::analysis::{Outcome, check};
-use crate::case::{LoadedCase, Tradeoff};
+use crate::case::{LoadedCase, Tradeoff, shown};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::plot;
@@ -179,7 +179,7 @@ fn without_effect(path: &str, analysis: &str) -> Option<&'static str> {
 fn grid_fault(loaded: &LoadedCase, path: &str, value: &Value, problem: &str, allowed: &str) -> Error {
     Error::Input {
         file: loaded.file.clone(),
-        path: format!("tradeoff.grid.{path}"),
+        path: shown(&format!("tradeoff.grid.{path}")),
         value: value.to_string(),
         problem: problem.to_owned(),
         allowed: allowed.to_owned(),
