@@ -7,8 +7,13 @@ mod process;
 mod store;
 
 use crate::analysis::tradeoff::{self as design, Measured, Reference, Settings, Subject};
+<<<<<<< HEAD
 use crate::analysis::{Outcome, check, contact};
 use crate::case::{LoadedCase, StudyAnalysis, Tradeoff};
+=======
+use crate::analysis::{Outcome, check};
+use crate::case::{LoadedCase, Tradeoff, shown};
+>>>>>>> robust
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::model::scene::Scene;
@@ -248,7 +253,7 @@ fn without_effect(path: &str, analysis: &str) -> Option<&'static str> {
 fn grid_fault(loaded: &LoadedCase, path: &str, value: &Value, problem: &str, allowed: &str) -> Error {
     Error::Input {
         file: loaded.file.clone(),
-        path: format!("tradeoff.grid.{path}"),
+        path: shown(&format!("tradeoff.grid.{path}")),
         value: value.to_string(),
         problem: problem.to_owned(),
         allowed: allowed.to_owned(),

@@ -14,6 +14,7 @@ mod instability;
 pub mod matrices;
 pub mod modes;
 pub mod operators;
+pub mod plausibility;
 pub mod probes;
 pub mod reduced;
 pub mod remarks;

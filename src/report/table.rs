@@ -11,10 +11,12 @@ pub fn columns(head: &[&str], rows: &[Vec<String>]) -> String {
     let width = |c: usize| {
         rows.iter().map(|r| r[c].chars().count()).chain([head[c].chars().count()]).max().unwrap_or(0)
     };
+    // once for all rows: a line of probes has ten thousand
+    let widths: Vec<usize> = (0..head.len()).map(width).collect();
     let line = |cells: Vec<&str>| {
         let mut text = String::from(" ");
         for (c, cell) in cells.iter().enumerate() {
-            let space = width(c).saturating_sub(cell.chars().count());
+            let space = widths[c].saturating_sub(cell.chars().count());
             if c + 1 == cells.len() {
                 text += &format!(" {cell}");
             } else {
