@@ -7,13 +7,8 @@ mod process;
 mod store;
 
 use crate::analysis::tradeoff::{self as design, Measured, Reference, Settings, Subject};
-<<<<<<< HEAD
 use crate::analysis::{Outcome, check, contact};
-use crate::case::{LoadedCase, StudyAnalysis, Tradeoff};
-=======
-use crate::analysis::{Outcome, check};
-use crate::case::{LoadedCase, Tradeoff, shown};
->>>>>>> robust
+use crate::case::{LoadedCase, StudyAnalysis, Tradeoff, shown};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::model::scene::Scene;

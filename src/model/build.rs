@@ -955,7 +955,6 @@ impl Input<'_> {
     }
 }
 
-<<<<<<< HEAD
 /// Places that were moved onto an element end by more than the rounding of sums, in words.
 fn snapped(mesh: &Mesh, places: &[(String, f64)], length: f64) -> Vec<String> {
     let moved = |(path, at): &(String, f64)| {
@@ -968,13 +967,8 @@ fn snapped(mesh: &Mesh, places: &[(String, f64)], length: f64) -> Vec<String> {
     };
     places.iter().filter_map(moved).collect()
 }
-
-/// Keeps what is referred to, in order of first use, and renumbers the references.
-fn used<T: Copy>(list: Vec<T>, references: Vec<&mut usize>) -> Vec<T> {
-=======
 /// What is referred to, in order of first use; the references are renumbered to that order.
 fn used(references: Vec<&mut usize>) -> Vec<usize> {
->>>>>>> robust
     let mut kept: Vec<usize> = Vec::new();
     for reference in references {
         let at = kept.iter().position(|k| k == reference).unwrap_or_else(|| {
