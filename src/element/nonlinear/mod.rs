@@ -20,6 +20,7 @@ use crate::element::expansion::place;
 use crate::element::lanes::Scratch;
 use crate::element::quadrature::section_rule;
 use crate::element::stations::Stations;
+use crate::instructions::Instructions;
 use crate::model::{ElementKind, Law, Material, Quadrature};
 use crate::section::Section;
 use crate::vectors::exponents;
@@ -156,13 +157,13 @@ impl NonlinearElement {
             classes,
             stations,
             viscosity: material.stiffness_damping,
-            arch: Arch::new(),
+            arch: Instructions::Widest.arch().unwrap_or(Arch::Scalar),
         }
     }
 
-    /// Computes with the given vector instructions instead of the widest of the machine.
-    pub fn with_instructions(mut self, arch: Arch) -> Self {
-        self.arch = arch;
+    /// Computes with other vector instructions; those it had stay on a processor without the ones asked for.
+    pub fn with_instructions(mut self, instructions: Instructions) -> Self {
+        self.arch = instructions.arch().unwrap_or(self.arch);
         self
     }
 
