@@ -11,6 +11,7 @@ use super::operators::Operators;
 use super::reduced::{Reduced, Solution, Whirling};
 use super::remarks::{describe_model, offset_remark, refusal, speed_remarks};
 use super::spectrum::{Flexibility, Spectrum};
+use super::steps::step_remarks;
 use super::stiffening::{Stiffening, burst};
 use super::tracking::{Continuation, follow};
 use super::wall::wall_remarks;
@@ -69,6 +70,7 @@ pub fn campbell(
             "a mode of the basis may be missing (Sturm count at rest)",
         ));
     }
+    step_remarks(&assembly, Some(&spectrum), &mut diagnostics);
     refuse_supports(&assembly, &spectrum, settings)?;
     let highest = settings.speeds.last().copied().unwrap_or(0.0);
     let stiffening = match settings.form {

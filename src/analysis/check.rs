@@ -1,6 +1,7 @@
 //! `rotor check`: what will be modelled, how big it is, and what it weighs.
 
 use super::estimates::{bore_remarks, estimates, slow_remark};
+use super::steps::step_remarks;
 use super::wall::wall_remarks;
 use super::{Outcome, ignored_input, summary};
 use crate::assembly::Assembly;
@@ -115,6 +116,7 @@ pub fn check(model: &Model) -> Result<Outcome<Check>> {
     wall_remarks(model, &mut diagnostics);
     bore_remarks(model, &mut diagnostics);
     estimates(model, &assembly, &mut diagnostics);
+    step_remarks(&assembly, None, &mut diagnostics);
     if let Some(spin) = &model.spinup {
         let fastest = spin.drive.iter().map(|p| p.speed).fold(0.0, f64::max);
         slow_remark(model, fastest, &mut diagnostics);

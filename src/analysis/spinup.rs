@@ -10,6 +10,7 @@ use super::probes::{Centre, displacement, growth, largest_strain, mid_section, p
 use super::remarks::Refusal;
 use super::rub::RubRecorder;
 use super::statics::{newton_summary, pinned_remark, strain_remark};
+use super::steps::step_remarks;
 use super::{Outcome, nonlinear_summary, quadrature_name};
 use crate::assembly::Assembly;
 use crate::drive::Drive;
@@ -77,6 +78,7 @@ pub fn spinup(model: &Model, settings: &SpinupSettings, watch: Watch<'_>) -> Res
     refuse_tiny_bore(model)?;
     growth_remarks(model, &mut diagnostics);
     bore_remarks(model, &mut diagnostics);
+    step_remarks(&Assembly::new(model), None, &mut diagnostics);
     slow_remark(model, drive.largest_speed(), &mut diagnostics);
     refuse_beyond_burst(model, drive.largest_speed())?;
     if settings.steady {

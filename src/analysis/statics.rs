@@ -3,6 +3,7 @@
 use super::equilibrium::{Balance, Equilibrium, NewtonSettings, dot};
 use super::estimates::{bore_remarks, refuse_dependent, refuse_tiny_bore};
 use super::probes::{axis_displacement, largest_strain, probe_states, profile};
+use super::steps::step_remarks;
 use super::wall::wall_remarks;
 use super::{Outcome, nonlinear_summary};
 use crate::assembly::Assembly;
@@ -39,6 +40,7 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
     let mut diagnostics = Vec::new();
     wall_remarks(model, &mut diagnostics);
     bore_remarks(model, &mut diagnostics);
+    step_remarks(&assembly, None, &mut diagnostics);
     if !model.has_gravity() && !model.has_loads() {
         diagnostics
             .push(Diagnostic::warning("no-loads", "the case has no loads and no gravity: nothing moves"));

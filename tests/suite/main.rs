@@ -26,6 +26,8 @@ mod published;
 mod ring;
 mod rub;
 mod scale;
+mod solid;
 mod spinup;
+mod steps;
 mod structural;
 mod tradeoff;
