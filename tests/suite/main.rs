@@ -2,6 +2,7 @@
 
 mod analytical;
 mod attachments;
+mod choice;
 mod cli;
 mod common;
 mod contact;
