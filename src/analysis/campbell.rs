@@ -11,11 +11,9 @@ use super::operators::Operators;
 use super::reduced::{Reduced, Solution, Whirling};
 use super::remarks::{describe_model, offset_remark, refusal, speed_remarks};
 use super::spectrum::{Flexibility, Spectrum};
-use super::steps::step_remarks;
 use super::stiffening::{Stiffening, burst};
 use super::tracking::{Continuation, follow};
-use super::wall::wall_remarks;
-use super::{Outcome, ignored_input, summary};
+use super::{Outcome, ignored_input, model_remarks, summary};
 use crate::assembly::Assembly;
 use crate::error::{Error, Result};
 use crate::linalg::factor::Ldlt;
@@ -52,7 +50,6 @@ pub fn campbell(
     progress: Progress<'_>,
 ) -> Result<Outcome<Campbell>> {
     let mut diagnostics = ignored_input(model);
-    wall_remarks(model, &mut diagnostics);
     if let Some(refused) = refusal(model, settings) {
         return Err(Error::Usage(format!("{}; remedy: {}", refused.reason, refused.remedy)));
     }
@@ -61,6 +58,7 @@ pub fn campbell(
         refuse_tiny_bore(model)?;
     }
     let assembly = Assembly::new(model);
+    diagnostics.extend(model_remarks(model, &assembly));
     let basis = settings.reduction.unwrap_or(60).max(settings.modes + SPARE);
     let corrected = (CORRECTED * basis as f64).ceil() as usize;
     let spectrum = Spectrum::new(&assembly, basis - corrected)?;
@@ -70,7 +68,6 @@ pub fn campbell(
             "a mode of the basis may be missing (Sturm count at rest)",
         ));
     }
-    step_remarks(&assembly, Some(&spectrum), &mut diagnostics);
     refuse_supports(&assembly, &spectrum, settings)?;
     let highest = settings.speeds.last().copied().unwrap_or(0.0);
     let stiffening = match settings.form {

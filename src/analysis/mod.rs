@@ -15,6 +15,7 @@ pub mod joint;
 pub mod matrices;
 pub mod modes;
 pub mod operators;
+mod points;
 pub mod probes;
 pub mod reduced;
 pub mod remarks;
@@ -23,12 +24,14 @@ pub mod spectrum;
 pub mod spinup;
 pub mod state;
 pub mod statics;
+pub mod stations;
 pub mod steps;
 pub mod stiffening;
 pub mod tracking;
 pub mod tradeoff;
 pub mod wall;
 
+use crate::assembly::Assembly;
 use crate::element::structural::AXIAL_POINTS;
 use crate::model::{Hub, Law, Model, Quadrature};
 use crate::results::{Diagnostic, ModelSummary};
@@ -107,6 +110,19 @@ fn quadrature_name(model: &Model) -> String {
             format!("axial {}, section {}", points(axial), points(section))
         }
     }
+}
+
+/// What every analysis says of its model, before it runs: places that were snapped, elements that were chosen, functions
+/// that lock, miss a wall or lose digits.
+fn model_remarks(model: &Model, assembly: &Assembly<'_>) -> Vec<Diagnostic> {
+    let mut list: Vec<Diagnostic> =
+        model.snapped.iter().map(|text| Diagnostic::info("snapped", text.clone())).collect();
+    wall::wall_remarks(model, &mut list);
+    estimates::bore_remarks(model, &mut list);
+    estimates::estimates(model, assembly, &mut list);
+    points::point_remarks(model, &mut list);
+    steps::step_remarks(assembly, &mut list);
+    list
 }
 
 /// Remarks on input that a linear analysis does not use.

@@ -149,20 +149,14 @@ fn excesses(assembly: &Assembly<'_>, spectrum: &Spectrum, joints: &[Joint]) -> V
     list
 }
 
-/// What steps of the section make too stiff: the first four bending, torsional and axial motions at rest.
-/// Takes the modes of `known` where they are enough. Empty without steps, and where there are no modes to look at.
-pub fn step_excess(assembly: &Assembly<'_>, known: Option<&Spectrum>) -> Vec<Excess> {
+/// What steps of the section make too stiff: the first four bending, torsional and axial motions at rest. Empty without
+/// steps, and where there are no modes to look at.
+pub fn step_excess(assembly: &Assembly<'_>) -> Vec<Excess> {
     let joints = joints(assembly.model);
     if joints.is_empty() {
         return Vec::new();
     }
-    if let Some(spectrum) = known.filter(|s| s.values.len() >= MOTIONS) {
-        return excesses(assembly, spectrum, &joints);
-    }
-    match Spectrum::new(assembly, MOTIONS) {
-        Ok(spectrum) => excesses(assembly, &spectrum, &joints),
-        Err(_) => Vec::new(),
-    }
+    Spectrum::new(assembly, MOTIONS).map_or(Vec::new(), |spectrum| excesses(assembly, &spectrum, &joints))
 }
 
 /// Positions in words, to five digits.
@@ -196,8 +190,8 @@ fn words(x: &Excess) -> String {
 
 /// Warns where steps of the section put a frequency too high by half a percent or more: the first bending motion, and
 /// of each kind the worst of the first four.
-pub fn step_remarks(assembly: &Assembly<'_>, known: Option<&Spectrum>, diagnostics: &mut Vec<Diagnostic>) {
-    let list = step_excess(assembly, known);
+pub fn step_remarks(assembly: &Assembly<'_>, diagnostics: &mut Vec<Diagnostic>) {
+    let list = step_excess(assembly);
     let kinds = [ModeKind::Bending, ModeKind::Torsion, ModeKind::Axial];
     let mut told: Vec<Excess> =
         kinds.iter().filter_map(|kind| worst(&list, *kind)).filter(|x| x.error >= TOLD).collect();

@@ -11,6 +11,7 @@ mod contact_segments;
 mod convergence;
 mod convergence_figure;
 mod detect;
+mod disks;
 mod element;
 mod frames;
 mod golden;

@@ -226,7 +226,7 @@ fn estimated(case: &LoadedCase, bending: &[f64], factor: f64) {
     let model = Model::new(case).unwrap();
     let found = modes(&model).unwrap();
     let assembly = Assembly::new(&model);
-    let estimates = step_excess(&assembly, None);
+    let estimates = step_excess(&assembly);
     let ours = found.results.modes.iter().filter(|m| m.kind == ModeKind::Bending).step_by(2);
     let mut compared = 0;
     for (i, (mode, exact)) in ours.zip(bending).enumerate().filter(|(_, (_, exact))| **exact > 0.0) {
