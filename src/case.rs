@@ -186,11 +186,10 @@ pub struct Section {
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Shaft {
-    /// Element of all segments that name none: 34X1 .. 34X5 (34X3 the default); 34Rdh for walls, with radial degree d
-    /// (1 to 6) and harmonics up to h (1 to 9), e.g. 34R23; "auto" for 34R23 or 34R33 on walls and 34X3 elsewhere; 3333c,
-    /// 3333s.
-    #[serde(default = "default_element")]
-    pub element: String,
+    /// Element of all segments that name none: 34X1 .. 34X5; 34Rdh for walls, with radial degree d (1 to 9) and harmonics
+    /// up to h (1 to 9), e.g. 34R23; "auto" for the least that is within 1e-3; 3333c, 3333s. By default 34X3 on solid
+    /// sections and the choice of "auto" on hollow ones.
+    pub element: Option<String>,
     /// Segments, laid end to end from x = 0.
     pub segments: Vec<Segment>,
     /// Integration of nonlinear forces (static, spinup): "exact" (default), "reduced" (5 Gauss points along an
@@ -255,10 +254,6 @@ pub struct QuadraturePoints {
     pub axial: Option<usize>,
     /// In each direction of the section, 2 to 20; exact section moments by default.
     pub section: Option<usize>,
-}
-
-fn default_element() -> String {
-    "34X3".to_owned()
 }
 
 /// A stretch of shaft of one section and material.

@@ -2,7 +2,7 @@
 //! Every number is finite, SI, and in its allowed range; every position is a node.
 
 mod build;
-mod choice;
+pub mod choice;
 pub mod memory;
 mod mesh;
 pub mod scene;

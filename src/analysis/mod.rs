@@ -11,10 +11,12 @@ pub mod equilibrium;
 pub mod estimates;
 pub mod growth;
 mod instability;
+pub mod joint;
 pub mod matrices;
 pub mod modes;
 pub mod operators;
 pub mod plausibility;
+mod points;
 pub mod probes;
 pub mod reduced;
 pub mod remarks;
@@ -24,6 +26,7 @@ pub mod spinup;
 pub mod state;
 pub mod statics;
 pub mod stations;
+pub mod steps;
 pub mod stiffening;
 pub mod tracking;
 pub mod tradeoff;
@@ -118,6 +121,8 @@ fn model_remarks(model: &Model, assembly: &Assembly<'_>) -> Vec<Diagnostic> {
     wall::wall_remarks(model, &mut list);
     estimates::bore_remarks(model, &mut list);
     estimates::estimates(model, assembly, &mut list);
+    points::point_remarks(model, &mut list);
+    steps::step_remarks(assembly, &mut list);
     list
 }
 

@@ -10,7 +10,8 @@ use crate::vectors::{RingFunction, SectionBasis, exponents, ring_functions};
 use faer::Mat;
 use nalgebra::{DMatrix, DVector};
 
-/// Weight that the follower's own area has beside the shared one where the shared area alone does not decide.
+/// Weight of the slopes over the follower's own area beside the values on the shared one: where the shared area alone does
+/// not decide, the follower continues as smoothly as it can.
 const WHOLE_AREA: f64 = 1e-7;
 /// Entries of a projection below this are rounding errors.
 const ROUNDING: f64 = 1e-11;
@@ -148,9 +149,13 @@ impl SectionFunctions {
             gram.ger(w / area, &f, &f, 1.0);
             mixed.ger(w / area, &f, &g, 1.0);
         }
+        let size = self.section.outer_size();
         for (y, z, w) in points(&self.section) {
-            let f = DVector::from_iterator(n, self.at(y, z).into_iter().map(|f| f[0]));
-            gram.ger(WHOLE_AREA * w / self.section.area(), &f, &f, 1.0);
+            let values = self.at(y, z);
+            for slope in [1, 2] {
+                let f = DVector::from_iterator(n, values.iter().map(|f| size * f[slope]));
+                gram.ger(WHOLE_AREA * w / self.section.area(), &f, &f, 1.0);
+            }
         }
         let scale = DVector::from_iterator(n, (0..n).map(|k| 1.0 / gram[(k, k)].sqrt()));
         let scaled = DMatrix::from_fn(n, n, |i, j| gram[(i, j)] * scale[i] * scale[j]);

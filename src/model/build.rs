@@ -6,11 +6,11 @@ mod scene;
 mod sections;
 
 use super::ElementChoice;
-use super::choice::{Choice, Demands, choose};
+use super::choice::{Choice, Demands, choose, level};
 use super::memory::{memory, mesh_memory};
 use super::mesh::{Mesh, SHORTEST, SegmentPlan};
 use super::{
-    ActsOn, Bearing, CampbellSettings, Disk, ElementKind, Form, Gyroscopic, Hub, Law, Model, Names,
+    ActsOn, Bearing, CampbellSettings, Disk, ElementKind, Form, Gyroscopic, Hub, Law, Material, Model, Names,
     SectionHold, Support, SupportKind, WhirlFrame,
 };
 use crate::case::{self, Case, LoadedCase, nearest};
@@ -36,7 +36,8 @@ impl Model {
         let input = Input { loaded, case: &loaded.case };
         let (materials, material_names) = input.materials()?;
         let (sections, section_names) = input.sections()?;
-        let (mut plans, choices) = input.segments(&section_names, &material_names, &sections)?;
+        let (mut plans, choices) =
+            input.segments((&sections, &section_names), (&materials, &material_names))?;
         let kept = used(plans.iter_mut().map(|p| &mut p.section).collect());
         let names_of = |all: &[String], kept: &[usize]| kept.iter().map(|&i| all[i].clone()).collect();
         let mut names = Names { sections: names_of(&section_names, &kept), ..Names::default() };
@@ -150,12 +151,12 @@ impl Input<'_> {
             (_, Some(&[order @ 1..=5])) if name.starts_with("34X") => {
                 kind(3, SectionBasis::Monomials(order), Law::Continuum)
             }
-            (_, Some(&[degree @ 1..=6, harmonics @ 1..=9])) if name.starts_with("34R") => {
+            (_, Some(&[degree @ 1..=9, harmonics @ 1..=9])) if name.starts_with("34R") => {
                 kind(3, SectionBasis::Ring { degree, harmonics }, Law::Continuum)
             }
             _ if name.starts_with("34R") => self.fault(
                 path,
-                "a ring member 34Rdh has a radial degree d from 1 to 6 and harmonics up to h from 1 to 9",
+                "a ring member 34Rdh has a radial degree d from 1 to 9 and harmonics up to h from 1 to 9",
                 "e.g. 34R12, 34R13, 34R23, 34R33, 34R34 (h 3 or more lets a wall ovalise); or 34X1 .. 34X5",
             ),
             _ => {
@@ -175,14 +176,58 @@ impl Input<'_> {
             length: case.shaft.iter().flat_map(|s| &s.segments).map(|s| s.length.0).sum(),
             half_waves: case.campbell.as_ref().map_or(MODES, |c| (f64::from(c.modes) / 2.0).max(1.0)),
             spins_up: case.spinup.is_some(),
+            poisson_ratio: 0.0,
         }
+    }
+
+    /// The member of every segment, and what was chosen by the program: where "auto" is asked for, and on hollow sections
+    /// where nothing is.
+    fn kinds(
+        &self,
+        shaft: &case::Shaft,
+        (shapes, sections): (&[Section], &[String]),
+        (materials, material_names): (&[Material], &[String]),
+    ) -> Result<(Vec<ElementKind>, Vec<ElementChoice>)> {
+        let named = |path: &str, name: &Option<String>| match name {
+            Some(name) => self.element(path, name).map(Some),
+            None => Ok(None),
+        };
+        let default = named("shaft.element", &shaft.element)?;
+        let continuum = |basis| ElementKind { axial_degree: 3, basis, law: Law::Continuum };
+        let demands = self.demands();
+        let (mut fixed, mut chosen) = (Vec::new(), Vec::new());
+        for (i, segment) in shaft.segments.iter().enumerate() {
+            let at = |key: &str| format!("shaft.segments.{i}.{key}");
+            let shape = &shapes[self.named(&at("section"), "section", &segment.section, sections)?];
+            let asked = named(&at("element"), &segment.element)?.or(default);
+            let asked =
+                asked.unwrap_or((!shape.is_hollow()).then_some(continuum(SectionBasis::Monomials(3))));
+            let material = self.named(&at("material"), "material", &segment.material, material_names)?;
+            let demands = Demands { poisson_ratio: materials[material].poisson_ratio, ..demands };
+            chosen.push(asked.is_none().then(|| (choose(shape, demands), *shape, demands.poisson_ratio)));
+            fixed.push(asked);
+        }
+        level(&mut chosen);
+        let mut choices = Vec::new();
+        let mut kinds = Vec::new();
+        for (i, (asked, choice)) in fixed.into_iter().zip(chosen).enumerate() {
+            if let Some((Choice { basis, reason, estimate }, ..)) = &choice {
+                let (name, section) = (basis.member(), &shaft.segments[i].section);
+                let text = format!(
+                    "{name} for segment {i}, section \"{section}\": {reason}; estimated error of its functions {estimate:.0e}"
+                );
+                choices.push(ElementChoice { text, estimated_error: *estimate });
+            }
+            let basis = choice.map(|(c, ..)| continuum(c.basis));
+            kinds.push(asked.or(basis).unwrap_or(continuum(SectionBasis::Monomials(3))));
+        }
+        Ok((kinds, choices))
     }
 
     fn segments(
         &self,
-        sections: &[String],
-        materials: &[String],
-        shapes: &[Section],
+        (shapes, sections): (&[Section], &[String]),
+        (stuffs, materials): (&[Material], &[String]),
     ) -> Result<(Vec<SegmentPlan>, Vec<ElementChoice>)> {
         let Some(shaft) = &self.case.shaft else {
             return match self.case.bodies.is_empty() {
@@ -208,33 +253,18 @@ impl Input<'_> {
                 "bodies; or spinup.stators",
             );
         }
-        let default = self.element("shaft.element", &shaft.element)?;
         if shaft.segments.is_empty() {
             return self.fault("shaft.segments", "the shaft has no segments", "at least one segment");
         }
-        let (mut plans, mut choices) = (Vec::new(), Vec::new());
-        let demands = self.demands();
-        for (i, segment) in shaft.segments.iter().enumerate() {
+        let (kinds, choices) = self.kinds(shaft, (shapes, sections), (stuffs, materials))?;
+        let mut plans = Vec::new();
+        for (i, (segment, kind)) in shaft.segments.iter().zip(kinds).enumerate() {
             let at = |key: &str| format!("shaft.segments.{i}.{key}");
-            let asked = match &segment.element {
-                Some(name) => self.element(&at("element"), name)?,
-                None => default,
-            };
             if segment.elements == 0 {
                 return self.fault(&at("elements"), "a segment needs elements", "at least 1");
             }
             let section = self.named(&at("section"), "section", &segment.section, sections)?;
             let shape = &shapes[section];
-            let kind = asked.unwrap_or_else(|| {
-                let Choice { basis, reason, estimate } = choose(shape, demands);
-                let name = basis.member();
-                let text = format!(
-                    "{name} for segment {i}, section \"{}\": {reason}; estimated error of its functions {estimate:.0e}",
-                    segment.section
-                );
-                choices.push(ElementChoice { text, estimated_error: estimate });
-                ElementKind { axial_degree: 3, basis, law: Law::Continuum }
-            });
             if kind.basis.is_ring() && !shape.is_ring() {
                 let name = kind.name();
                 let (problem, remedy) = if !shape.is_hollow() {

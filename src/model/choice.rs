@@ -9,6 +9,8 @@ use crate::vectors::SectionBasis;
 
 /// Relative error that an automatic choice aims at.
 const AIM: f64 = 1e-3;
+/// Highest radial degree that is chosen: within [`AIM`] from bore over rim .1.
+const HIGHEST: usize = 9;
 /// Most that 34X5 misses of the growth of a tube: bore over rim .25 in docs/convergence.md.
 const HOLLOW: f64 = 0.13;
 
@@ -32,6 +34,8 @@ pub struct Demands {
     pub half_waves: f64,
     /// Whether the shaft spins up, so that growth counts.
     pub spins_up: bool,
+    /// Poisson's ratio of the material.
+    pub poisson_ratio: f64,
 }
 
 /// Error of 34X2 and of 34X3 or 34X4 in bending with `n` half waves over a solid of radius r and length L, by
@@ -41,7 +45,7 @@ const BENDING: [(f64, i32); 2] = [(0.32, 2), (0.9, 4)];
 /// The member that suits a section.
 pub fn choose(section: &Section, demands: Demands) -> Choice {
     if section.is_ring() {
-        return ring(section);
+        return ring(section, demands.poisson_ratio);
     }
     if section.is_hollow() {
         return Choice {
@@ -76,17 +80,81 @@ pub fn choose(section: &Section, demands: Demands) -> Choice {
     solid(3, "solid, with waves along it short enough for shear", cubic)
 }
 
-/// Rings by the growth `~ 1/r` that Legendre polynomials across the wall leave: `4 d q^-2d` with the sum q of the half
-/// axes of the largest ellipse about the wall that does not hold r = 0.
-fn ring(section: &Section) -> Choice {
-    let root = (section.inner[0] / section.outer[0]).sqrt();
-    let q = (1.0 + root) / (1.0 - root);
-    let missed = |degree: usize| 4.0 * degree as f64 * q.powi(-2 * degree as i32);
+/// Rings by the growth `~ 1/r` that Legendre polynomials across the wall leave.
+fn ring(section: &Section, poisson_ratio: f64) -> Choice {
     // degree 1 would not ovalise
-    let degree = (2..6).find(|d| missed(*d) <= AIM).unwrap_or(6);
+    let degree = (2..HIGHEST).find(|d| missed(section, poisson_ratio, *d) <= AIM).unwrap_or(HIGHEST);
     let reason = match degree {
         2 => "hollow; the ring family bends and ovalises a wall within about 1 % (34X3: 64 % off)",
+        HIGHEST => "hollow with a bore so narrow that no radial degree resolves the growth at its edge",
         _ => "hollow with a thick wall, whose growth needs a higher radial degree (34X3: 26 % off)",
     };
-    Choice { basis: SectionBasis::Ring { degree, harmonics: 3 }, reason, estimate: missed(degree).max(1e-6) }
+    of_degree(section, poisson_ratio, degree, reason)
+}
+
+/// `4 d q^-2d` with the sum q of the half axes of the largest ellipse about the wall that does not hold r = 0, more for
+/// materials that are stiffer in volume than those with a Poisson's ratio of .3.
+fn missed(section: &Section, poisson_ratio: f64, degree: usize) -> f64 {
+    /// `(1 - nu)/(1 - 2 nu)` to which the estimate is fitted.
+    const VOLUME: f64 = 1.6;
+    let root = (section.inner[0] / section.outer[0]).sqrt();
+    let q = (1.0 + root) / (1.0 - root);
+    let volume = (1.0 - poisson_ratio) / (1.0 - 2.0 * poisson_ratio) / VOLUME;
+    4.0 * degree as f64 * q.powi(-2 * degree as i32) * volume.max(1.0)
+}
+
+fn of_degree(section: &Section, poisson_ratio: f64, degree: usize, reason: &'static str) -> Choice {
+    let estimate = missed(section, poisson_ratio, degree).max(1e-6);
+    Choice { basis: SectionBasis::Ring { degree, harmonics: 3 }, reason, estimate }
+}
+
+/// A choice with the section and Poisson's ratio it was made for.
+pub type Chosen = (Choice, Section, f64);
+
+/// Gives chosen rings that meet one degree, the highest among them: both sides of a joint then share all functions.
+pub fn level(chosen: &mut [Option<Chosen>]) {
+    let degree = |c: &Option<Chosen>| match c {
+        Some((Choice { basis: SectionBasis::Ring { degree, .. }, .. }, ..)) => Some(*degree),
+        _ => None,
+    };
+    let mut start = 0;
+    while start < chosen.len() {
+        let end = start + chosen[start..].iter().take_while(|c| degree(c).is_some()).count();
+        if let Some(highest) = chosen[start..end].iter().filter_map(degree).max() {
+            for (choice, section, poisson_ratio) in chosen[start..end].iter_mut().flatten() {
+                if choice.basis != (SectionBasis::Ring { degree: highest, harmonics: 3 }) {
+                    let reason = "hollow, of the radial degree of the walls it meets: their joints share all functions";
+                    *choice = of_degree(section, *poisson_ratio, highest, reason);
+                }
+            }
+        }
+        start = end.max(start + 1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chosen(bore: f64) -> Option<Chosen> {
+        let section = Section::tube(1.0, bore);
+        let demands = Demands { length: 10.0, half_waves: 3.0, spins_up: false, poisson_ratio: 0.3 };
+        Some((choose(&section, demands), section, 0.3))
+    }
+
+    #[test]
+    fn rings_that_meet_take_the_highest_degree() {
+        let mut list = [chosen(0.2), chosen(0.8), None, chosen(0.8)];
+        level(&mut list);
+        let degrees: Vec<Option<usize>> = list
+            .iter()
+            .map(|c| {
+                c.as_ref().map(|(c, ..)| match c.basis {
+                    SectionBasis::Ring { degree, .. } => degree,
+                    SectionBasis::Monomials(_) => 0,
+                })
+            })
+            .collect();
+        assert_eq!(degrees, [Some(6), Some(6), None, Some(2)]);
+    }
 }

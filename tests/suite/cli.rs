@@ -94,7 +94,7 @@ fn campbell_writes_its_report_and_plot() {
     let out = folder.path().join("reports/bauchau");
     assert_eq!(files(&out), ["campbell.cost.json", "campbell.json", "campbell.svg"]);
     let table = text(&got.stdout);
-    assert!(table.contains("615.178") && table.contains("reports/bauchau/campbell.svg"), "{table}");
+    assert!(table.contains("631.392") && table.contains("reports/bauchau/campbell.svg"), "{table}");
     let report: Value = serde_json::from_str(&read(out.join("campbell.json"))).expect("JSON");
     assert_eq!(report["results"]["branches"].as_array().expect("list").len(), 12);
     assert_eq!(report["results"]["speeds_rad_s"].as_array().expect("list").len(), 101);

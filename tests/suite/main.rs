@@ -2,6 +2,7 @@
 
 mod analytical;
 mod attachments;
+mod choice;
 mod cli;
 mod common;
 mod contact;
@@ -27,12 +28,16 @@ mod nonlinear;
 mod plausible;
 mod plots;
 mod published;
+mod refinement;
 mod reports;
 mod ring;
 mod rub;
 mod scale;
 mod schema;
+mod solid;
+mod spinning;
 mod spinup;
+mod steps;
 mod structural;
 mod terminal;
 mod tradeoff;

@@ -1,0 +1,214 @@
+//! Abrupt steps of the section: how much too stiff a model with them is, by its modes at rest.
+//!
+//! The flexibility dc that a joint misses (see [`super::joint`]) takes `dc Q^2` of the energy of a motion with the
+//! resultant Q (moment, torque or axial force) at the joint: with `x^T M x = 1` the flexibility 1/w^2 of a natural motion
+//! grows by `sum dc Q^2 / w^4`, so that its frequency is `sqrt(1 + sum dc Q^2 / w^2) - 1` too high. Q comes from the
+//! forces `(K - w^2 M) q` at the end of the element beside the joint.
+
+use super::character::Character;
+use super::joint::{Pull, Side, missing_flexibility};
+use super::spectrum::Spectrum;
+use crate::assembly::Assembly;
+use crate::model::{Element, Hub, Model};
+use crate::results::{Diagnostic, ModeKind};
+use crate::vectors::SectionBasis;
+use faer::{Mat, c64};
+
+/// Relative error of a frequency from which a warning is due.
+const TOLD: f64 = 5e-3;
+/// Motions at rest that are looked at.
+const MOTIONS: usize = 16;
+/// Bending, torsional and axial motions that count, of each kind.
+const COUNTED: usize = 4;
+/// Steps whose places are named.
+const NAMED: usize = 8;
+/// The member that shares most functions, for comparison.
+const BEST: SectionBasis = SectionBasis::Monomials(5);
+
+/// A place where the section changes.
+struct Joint {
+    /// Element on its left.
+    left: usize,
+    x: f64,
+    /// Flexibilities that are missed: moment about z, moment about y, torque, axial force.
+    missing: [f64; 4],
+    /// The same where polynomial sides are 34X5.
+    best: [f64; 4],
+}
+
+/// What one motion at rest is off by.
+#[derive(Debug, Clone, Copy)]
+pub struct Excess {
+    /// Kind of motion.
+    pub kind: ModeKind,
+    /// Its number among those of its kind, pairs of bending counted once.
+    pub number: usize,
+    /// Relative error of its frequency.
+    pub error: f64,
+    /// The same with 34X5 instead of lower polynomials.
+    pub best: f64,
+}
+
+/// Length of the elements that have the same section as the first, and the section after them.
+fn run<'a>(list: &mut dyn Iterator<Item = &'a Element>, section: usize) -> (f64, Option<usize>) {
+    let mut length = 0.0;
+    for e in list {
+        if e.section != section {
+            return (length, Some(e.section));
+        }
+        length += e.length;
+    }
+    (length, None)
+}
+
+/// Joints of unlike sections. At a rigid hub the section is undeformed by intent, and nothing is missed.
+fn joints(model: &Model) -> Vec<Joint> {
+    let mut list = Vec::new();
+    for (left, pair) in model.elements.windows(2).enumerate() {
+        let [a, b] = [&pair[0], &pair[1]];
+        let held = model.disks.iter().any(|d| d.node == b.first_node && d.hub == Hub::Rigid);
+        if a.section == b.section || held {
+            continue;
+        }
+        let sections = [a, b].map(|e| &model.sections[e.section]);
+        let runs = [
+            run(&mut model.elements[..=left].iter().rev(), a.section),
+            run(&mut model.elements[left + 1..].iter(), b.section),
+        ];
+        let mean = |value: &dyn Fn(usize) -> f64| (value(a.material) + value(b.material)) / 2.0;
+        let soft = mean(&|m| 1.0 / model.materials[m].youngs_modulus);
+        let sheared =
+            mean(&|m| 2.0 * (1.0 + model.materials[m].poisson_ratio) / model.materials[m].youngs_modulus);
+        let all = |bases: [SectionBasis; 2]| {
+            let side = |i: usize| Side {
+                section: sections[i],
+                basis: bases[i],
+                length: runs[i].0,
+                beyond: runs[i].1.map(|s| &model.sections[s]),
+            };
+            let of = |pull, along| missing_flexibility(pull, [side(0), side(1)], along);
+            let torsion = (of(Pull::Torsion, 0) + of(Pull::Torsion, 1)) / 2.0;
+            [
+                soft * of(Pull::Bending, 0),
+                soft * of(Pull::Bending, 1),
+                sheared * torsion,
+                soft * (of(Pull::Axial, 0) + of(Pull::Axial, 1)) / 2.0,
+            ]
+        };
+        let bases = [a.kind.basis, b.kind.basis];
+        let raised = bases.map(|basis| if basis.is_ring() { basis } else { BEST });
+        list.push(Joint { left, x: b.x, missing: all(bases), best: all(raised) });
+    }
+    list
+}
+
+/// Moment about z, about y, torque and axial force at the right end of an element that moves as q with w^2 = value.
+fn resultants(assembly: &Assembly<'_>, e: usize, q: &[f64], value: f64) -> [f64; 4] {
+    let model = assembly.model;
+    let (element, matrices) = (&model.elements[e], assembly.element_matrices(e));
+    let index = assembly.element_coordinates(element);
+    let local = Mat::from_fn(index.len(), 1, |i, _| q[index[i]]);
+    let force = &matrices.stiffness * &local - &matrices.mass * &local * faer::Scale(value);
+    let end = 3 * element.kind.n_vectors() * element.kind.axial_degree;
+    let (at, r) = (|vector: usize, c: usize| force[(end + 3 * vector + c, 0)], model.reference_length);
+    // the first three functions are 1, y/R and z/R in every member
+    [r * at(1, 0), r * at(2, 0), r * (at(1, 2) - at(2, 1)), at(0, 0)]
+}
+
+/// The first motions of each kind.
+fn excesses(assembly: &Assembly<'_>, spectrum: &Spectrum, joints: &[Joint]) -> Vec<Excess> {
+    let Ok(character) = Character::new(assembly) else { return Vec::new() };
+    let kinds = [(ModeKind::Bending, 2), (ModeKind::Torsion, 1), (ModeKind::Axial, 1)];
+    let mut list: Vec<Excess> = Vec::new();
+    let mut seen = [0usize; 3];
+    for (j, &value) in spectrum.values.iter().enumerate() {
+        let z: Vec<f64> = spectrum.vectors.col(j).iter().copied().collect();
+        let complex: Vec<c64> = z.iter().map(|&v| c64::new(v, 0.0)).collect();
+        let kind = character.of(&complex).1;
+        let Some(k) = kinds.iter().position(|(of, _)| *of == kind) else { continue };
+        seen[k] += 1;
+        let number = seen[k].div_ceil(kinds[k].1);
+        if number > COUNTED {
+            continue;
+        }
+        let q = assembly.expand(&z);
+        let (mut error, mut best) = (0.0, 0.0);
+        for joint in joints {
+            let carried = resultants(assembly, joint.left, &q, value);
+            let energy = |c: &[f64; 4]| c.iter().zip(&carried).map(|(c, q)| c * q * q).sum::<f64>() / value;
+            error += energy(&joint.missing);
+            best += energy(&joint.best);
+        }
+        let [error, best] = [error, best].map(|e: f64| (1.0 + e).sqrt() - 1.0);
+        match list.iter_mut().find(|x| (x.kind, x.number) == (kind, number)) {
+            Some(twin) if twin.error >= error => {}
+            Some(twin) => *twin = Excess { kind, number, error, best },
+            None => list.push(Excess { kind, number, error, best }),
+        }
+    }
+    list
+}
+
+/// What steps of the section make too stiff: the first four bending, torsional and axial motions at rest. Empty without
+/// steps, and where there are no modes to look at.
+pub fn step_excess(assembly: &Assembly<'_>) -> Vec<Excess> {
+    let joints = joints(assembly.model);
+    if joints.is_empty() {
+        return Vec::new();
+    }
+    Spectrum::new(assembly, MOTIONS).map_or(Vec::new(), |spectrum| excesses(assembly, &spectrum, &joints))
+}
+
+/// Positions in words, to five digits.
+fn places(joints: &[Joint]) -> String {
+    let five = |x: f64| format!("{x:.4e}").parse().unwrap_or(x).to_string();
+    let mut list: Vec<String> = joints.iter().take(NAMED).map(|j| five(j.x)).collect();
+    if joints.len() > NAMED {
+        list.push(format!("and {} more", joints.len() - NAMED));
+    }
+    list.join(", ")
+}
+
+/// The motion of a kind that is off most.
+fn worst(list: &[Excess], kind: ModeKind) -> Option<Excess> {
+    list.iter().filter(|x| x.kind == kind).copied().reduce(|a, b| if b.error > a.error { b } else { a })
+}
+
+/// Motion and error in words.
+fn words(x: &Excess) -> String {
+    let name = match x.kind {
+        ModeKind::Bending => "bending",
+        ModeKind::Torsion => "torsion",
+        _ => "axial motion",
+    };
+    let better = match x.best < 0.9 * x.error {
+        true => format!(" (34X5: {:.1} %)", 100.0 * x.best),
+        false => String::new(),
+    };
+    format!("{name} {} {:.1} %{better}", x.number, 100.0 * x.error)
+}
+
+/// Warns where steps of the section put a frequency too high by half a percent or more: the first bending motion, and
+/// of each kind the worst of the first four.
+pub fn step_remarks(assembly: &Assembly<'_>, diagnostics: &mut Vec<Diagnostic>) {
+    let list = step_excess(assembly);
+    let kinds = [ModeKind::Bending, ModeKind::Torsion, ModeKind::Axial];
+    let mut told: Vec<Excess> =
+        kinds.iter().filter_map(|kind| worst(&list, *kind)).filter(|x| x.error >= TOLD).collect();
+    let Some(largest) = told.iter().map(|x| x.error).reduce(f64::max) else { return };
+    let first = list.iter().find(|x| x.kind == ModeKind::Bending && x.number == 1);
+    if let Some(first) = first.filter(|_| told[0].kind == ModeKind::Bending && told[0].number > 1) {
+        told.insert(0, *first);
+    }
+    let parts: Vec<String> = told.iter().map(words).collect();
+    diagnostics.push(Diagnostic::warning(
+        "step",
+        format!(
+            "the section changes abruptly (at x = {} m); both sides share their functions, which makes the joint too stiff on \
+             any mesh. Frequencies at rest are too high by about: {}; displacements under loads too small by up to {:.1} %",
+            places(&joints(assembly.model)),
+            parts.join(", "),
+            100.0 * (1.0 - 1.0 / (1.0 + largest).powi(2))
+        ),
+    ));
+}
