@@ -1,6 +1,7 @@
 //! The analyses: each takes a checked model and returns plain results with diagnostics.
 //! They know nothing of files, arguments or plots.
 
+mod branches;
 pub mod campbell;
 pub mod character;
 pub mod check;
@@ -13,6 +14,7 @@ pub mod growth;
 mod instability;
 pub mod matrices;
 pub mod modes;
+mod motions;
 pub mod operators;
 pub mod probes;
 pub mod reduced;

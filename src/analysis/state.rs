@@ -6,7 +6,7 @@
 //! matrix of an undamped rotor is skew and its eigenvectors orthonormal. In the rotating frame K is indefinite
 //! above a critical speed; there S holds the frequencies at rest.
 
-use super::reduced::{Reduced, Whirling};
+use super::reduced::Reduced;
 use super::stiffening::burst;
 use crate::error::Result;
 use crate::linalg::dense::{cholesky, over_lower};
@@ -125,6 +125,61 @@ impl<'a> AtSpeed<'a> {
         best.filter(|w| near(w) <= 1e-3 * guess.abs()).unwrap_or(guess)
     }
 
+    /// The matrices on velocities and (besides K) on displacements, turned.
+    pub fn forms(&self) -> [Option<Mat<f64>>; 2] {
+        let reduced = self.reduced;
+        [
+            self.sum(&[(1.0, &reduced.damping), (self.speed, &reduced.gyroscopic)]),
+            self.sum(&[(1.0, &reduced.cross_coupling), (self.speed, &reduced.circulatory)]),
+        ]
+    }
+
+    /// The root near `guess` of `y^H (lambda^2 + lambda D + K) x = 0`, x and y being the velocities of the right and left
+    /// states (turned), and what rounding may have made of its real part. The root's error is the product of those of x and
+    /// y, while that of the eigenvalue solver is a rounding of the largest eigenvalue.
+    pub fn quotient(
+        &self,
+        forms: &[Option<Mat<f64>>; 2],
+        states: (&[c64], &[c64]),
+        guess: c64,
+    ) -> (c64, f64) {
+        let (n, r) = (self.reduced.size(), self.reduced.n_rigid);
+        let (x, y) = (&states.0[..n], &states.1[..n]);
+        let zero = c64::new(0.0, 0.0);
+        let form = |a: &Mat<f64>, first: usize, rows: usize| -> (c64, f64) {
+            let (mut sum, mut size) = (zero, 0.0);
+            for j in 0..a.ncols() {
+                for i in 0..a.nrows() {
+                    let term = y[i + rows].conj() * x[j + first] * a[(i, j)];
+                    sum += term;
+                    size += term.norm();
+                }
+            }
+            (sum, size)
+        };
+        let mass: c64 = x.iter().zip(y).map(|(x, y)| y.conj() * x).sum();
+        let (stiffness, mut size) = form(&self.stiffness, r, r);
+        let on_velocity = forms[0].as_ref().map_or((zero, 0.0), |a| form(a, 0, 0));
+        let turning = forms[1].as_ref().map(|a| a.get(.., r..).to_owned());
+        let turning = turning.map_or((zero, 0.0), |a| form(&a, r, 0));
+        let (d, k) = (on_velocity.0, stiffness + turning.0);
+        let root = (d * d - mass * k * 4.0).sqrt();
+        let candidates = [(-d + root) / (mass * 2.0), (-d - root) / (mass * 2.0)];
+        let far = |z: &c64| (z - guess).norm();
+        let best = candidates.into_iter().filter(|z| z.is_finite()).min_by(|a, b| far(a).total_cmp(&far(b)));
+        let largest = self.reduced.frequencies.iter().copied().fold(0.0, f64::max);
+        let Some(lambda) = best.filter(|z| far(z) <= 1e-3 * guess.norm() + 1e-10 * largest) else {
+            return (guess, f64::EPSILON * largest);
+        };
+        size += lambda.norm() * on_velocity.1 + turning.1;
+        let strain = |v: &[c64]| -> f64 {
+            v.iter().zip(&self.reduced.strain_noise).map(|(v, noise)| v.norm() * noise).sum()
+        };
+        let rounding = f64::EPSILON * size + strain(x) * strain(y) * (lambda.norm() + self.speed.abs());
+        let slope = (mass * lambda * 2.0 + d).norm();
+        (lambda, if slope > 0.0 { rounding / slope } else { f64::EPSILON * largest })
+    }
+
     /// Turns the velocities of a state into the reduced coordinates.
     pub fn restored(&self, state: &mut [c64]) {
         if let Some(turn) = &self.turn {
@@ -169,11 +224,6 @@ impl<'a> AtSpeed<'a> {
             Some(turn) => product(&turn.transpose().to_owned(), q)[r..].to_vec(),
             None => q[r..].to_vec(),
         }
-    }
-
-    /// True for a motion that grows by more than rounding.
-    pub fn grows(motion: &Whirling) -> bool {
-        motion.lambda.re > 1e-8 * motion.lambda.norm()
     }
 }
 

@@ -31,6 +31,9 @@ pub struct Pencil<'a> {
     pub solve: &'a dyn Fn(Mat<f64>) -> Mat<f64>,
     /// Removes what lies in the null space of K: it has no energy, so nothing else here would see it grow.
     pub clean: &'a dyn Fn(&mut Mat<f64>),
+    /// Directions near the eigenvectors of largest `|theta|`, if these stand decades apart from the others, in columns: what
+    /// rounding leaves of them would hide the others, so they are found first and kept out of the iteration.
+    pub apart: Option<Mat<f64>>,
 }
 
 /// Eigenpairs with the smallest positive lambda, ascending; vectors in columns with `x^T K x = lambda`
@@ -48,6 +51,73 @@ pub struct Eigenpairs {
 /// When they do not converge within the largest basis.
 pub fn lowest(pencil: &Pencil<'_>, wanted: usize) -> Result<Eigenpairs> {
     let wanted = wanted.min(pencil.rank);
+    let Some((apart, images, positive)) = pencil.apart.as_ref().and_then(|start| invariant(pencil, start))
+    else {
+        let (ritz, found) = iterated(pencil, wanted)?;
+        return Ok(polished(pencil, ritz, found));
+    };
+    let remove = |x: &mut Mat<f64>| {
+        for _ in 0..2 {
+            *x -= &apart * (images.transpose() * &*x);
+        }
+    };
+    let rest = Pencil {
+        rank: pencil.rank - apart.ncols(),
+        solve: &|f| {
+            let mut x = (pencil.solve)(f);
+            remove(&mut x);
+            x
+        },
+        clean: &|x| {
+            (pencil.clean)(x);
+            remove(x);
+        },
+        apart: None,
+        ..*pencil
+    };
+    let kept = positive.len().min(wanted);
+    let (ritz, found) = iterated(&rest, wanted - kept)?;
+    let first = positive.len();
+    let ritz = Mat::from_fn(pencil.size, first + ritz.ncols(), |i, j| {
+        if j < first { apart[(i, positive[j])] } else { ritz[(i, j - first)] }
+    });
+    Ok(polished(pencil, ritz, kept + found))
+}
+
+/// The eigenvectors of largest `|theta|` near `start`, orthonormal in the energy product, what K makes of them, and which of
+/// them have a positive theta; only those that are solved for.
+fn invariant(pencil: &Pencil<'_>, start: &Mat<f64>) -> Option<(Mat<f64>, Mat<f64>, Vec<usize>)> {
+    let mut x = start.clone();
+    (pencil.clean)(&mut x);
+    let mut kx = (pencil.apply_k)(x.as_ref());
+    ascending_orthonormal(&mut x, &mut kx);
+    let mut earlier = f64::INFINITY;
+    for _ in 0..POLISHING {
+        let mut y = (pencil.solve)((pencil.apply_b)(x.as_ref()));
+        let mut ky = (pencil.apply_k)(y.as_ref());
+        let share = x.transpose() * &ky;
+        let (rest, k_rest) = (&y - &x * &share, &ky - &kx * &share);
+        let worst = energies(&rest, &k_rest).into_iter().zip(energies(&y, &ky));
+        let worst = worst.fold(0.0, |worst: f64, (rest, all)| worst.max(rest / all));
+        // below the tolerance, or down at rounding
+        if worst <= FINAL * FINAL || (worst <= CONVERGED * CONVERGED && worst > 0.3 * earlier) {
+            let (thetas, turn) = self_adjoint(share.as_ref()).ok()?;
+            let (x, kx) = (&x * &turn, &kx * turn);
+            let positive = (0..thetas.len()).filter(|&i| thetas[i] > 0.0).collect();
+            return Some((x, kx, positive));
+        }
+        ascending_orthonormal(&mut y, &mut ky);
+        (x, kx, earlier) = (y, ky, worst);
+    }
+    None
+}
+
+/// Ritz vectors of the `wanted` largest positive theta and a few more, and how many of the wanted ones there are.
+fn iterated(pencil: &Pencil<'_>, wanted: usize) -> Result<(Mat<f64>, usize)> {
+    let wanted = wanted.min(pencil.rank);
+    if wanted == 0 {
+        return Ok((Mat::zeros(pencil.size, 0), 0));
+    }
     let limit = pencil.rank.min(8 * wanted + 40 * BLOCK);
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     let mut start = || {
@@ -79,11 +149,7 @@ pub fn lowest(pencil: &Pencil<'_>, wanted: usize) -> Result<Eigenpairs> {
             if exhausted || (best.len() == wanted && best.iter().all(settled)) {
                 let near: Vec<usize> =
                     (0..thetas.len()).rev().take(wanted + BLOCK).take_while(|&i| thetas[i] > 0.0).collect();
-                return Ok(polished(
-                    pencil,
-                    ritz_vectors(basis.as_ref(), weights.as_ref(), &near),
-                    best.len(),
-                ));
+                return Ok((ritz_vectors(basis.as_ref(), weights.as_ref(), &near), best.len()));
             }
             if full {
                 return Err(Error::analysis(
@@ -238,6 +304,7 @@ mod tests {
             apply_b: &|x| x.to_owned(),
             solve: &|x| scale(x.as_ref(), &|k| 1.0 / k),
             clean: &|_| (),
+            apart: None,
         };
         lowest(&pencil, wanted).unwrap()
     }
@@ -251,6 +318,35 @@ mod tests {
         for (i, v) in found.values[9..].iter().enumerate() {
             let expected = 10.0 + ((i + 9) * (i + 9)) as f64;
             assert!((v / expected - 1.0).abs() < 1e-10, "{v} {expected}");
+        }
+    }
+
+    /// Four eigenvalues sixteen decades below the others: told apart they leave the others their digits.
+    #[test]
+    fn what_stands_decades_apart_does_not_hide_the_others() {
+        let mut stiffness: Vec<f64> = (0..300).map(|i| 1e4 + 1e4 * f64::from(i * i)).collect();
+        stiffness[..4].copy_from_slice(&[1e-12, 1e-12, 3e-12, 3e-12]);
+        let scale = |x: MatRef<'_, f64>, f: &dyn Fn(f64) -> f64| {
+            Mat::from_fn(x.nrows(), x.ncols(), |i, j| f(stiffness[i]) * x[(i, j)])
+        };
+        let pencil = Pencil {
+            size: 300,
+            rank: 300,
+            apply_k: &|x| scale(x, &|k| k),
+            apply_b: &|x| x.to_owned(),
+            solve: &|x| scale(x.as_ref(), &|k| 1.0 / k),
+            clean: &|_| (),
+            apart: Some(Mat::from_fn(
+                300,
+                4,
+                |i, j| if i < 4 { f64::from((i + j) % 3 == 0) + 0.1 } else { 0.0 } + f64::from(i == j),
+            )),
+        };
+        let found = lowest(&pencil, 30).unwrap();
+        let mut exact = stiffness.clone();
+        exact.sort_by(f64::total_cmp);
+        for (ours, exact) in found.values.iter().zip(&exact) {
+            assert!((ours / exact - 1.0).abs() < 1e-10, "{ours} {exact}");
         }
     }
 

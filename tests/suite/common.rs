@@ -35,6 +35,12 @@ pub fn case(stem: &str) -> LoadedCase {
     Case::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"))
 }
 
+/// A case of tests/fieldtest by its stem: rotors that once showed a fault.
+pub fn field_case(stem: &str) -> LoadedCase {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fieldtest").join(format!("{stem}.json"));
+    Case::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"))
+}
+
 /// A uniform shaft of steel (E 2.1e11, nu 0.3, rho 7800) with the keys of `more` added or replaced.
 pub fn shaft(section: Value, length: f64, elements: usize, more: Value) -> LoadedCase {
     let mut value = json!({

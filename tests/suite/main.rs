@@ -26,6 +26,7 @@ mod published;
 mod ring;
 mod rub;
 mod scale;
+mod soft_supports;
 mod spinup;
 mod structural;
 mod tradeoff;

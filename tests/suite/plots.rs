@@ -234,8 +234,7 @@ fn unstable_ranges_are_shaded() {
         branch: "1F".to_owned(),
         largest_growth_rate_1_s: 2.0,
     };
-    results.unstable_ranges =
-        Some(vec![range(2000.0, 2500.0), range(4000.0, 4000.1), range(9000.0, 20000.0)]);
+    results.unstable_ranges = vec![range(2000.0, 2500.0), range(4000.0, 4000.1), range(9000.0, 20000.0)];
     let report = data::report("A rotor", results.clone());
     let svg = campbell::svg(&report).expect("a diagram");
     assert_eq!(svg.matches("#FCE4E2").count(), 4, "three ranges and the legend");
