@@ -234,7 +234,8 @@ impl<'a> Assembly<'a> {
             let law = |a: f64, b: f64| a * a * kyy + 2.0 * a * b * off + b * b * kzz;
             for (a, b) in [(cos, sin), (-sin, cos)] {
                 let stiffness = law(a, b);
-                if stiffness > ROUNDING * (kyy + kzz) {
+                let rounding = if off == 0.0 { 0.0 } else { 16.0 * f64::EPSILON * (kyy + kzz) };
+                if stiffness > rounding {
                     springs.push(Spring { row: along(a, b), stiffness });
                 }
             }

@@ -116,7 +116,7 @@ pub enum Whirl {
     Forward,
     /// Against the spin.
     Backward,
-    /// Partly with and partly against it, or in a plane: the circularity is below a tenth.
+    /// Partly with and partly against it, or in a plane: the circularity is below a hundredth.
     Mixed,
     /// No waves around the axis that could travel (torsion, axial motion, breathing), or no oscillation.
     None,

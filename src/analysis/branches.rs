@@ -13,7 +13,7 @@ use crate::results::{Branch, Diagnostic, ModeKind, Whirl};
 use std::f64::consts::TAU;
 
 /// Circularity below which a whirl is mixed.
-const CIRCULAR: f64 = 0.1;
+const CIRCULAR: f64 = 0.01;
 /// Relative difference of frequencies at standstill that is none: their order is that of kinds and senses.
 const EQUAL: f64 = 1e-6;
 

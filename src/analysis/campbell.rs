@@ -12,7 +12,7 @@ use super::operators::Operators;
 use super::reduced::{Reduced, Solution, Whirling};
 use super::remarks::{describe_model, offset_remark, refusal, speed_remarks};
 use super::spectrum::{Flexibility, Spectrum};
-use super::stiffening::{Stiffening, burst};
+use super::stiffening::{Stiffening, burst, burst_of};
 use super::wall::wall_remarks;
 use super::{Outcome, ignored_input, summary};
 use crate::assembly::Assembly;
@@ -69,11 +69,14 @@ pub fn campbell(
     refuse_supports(&assembly, &spectrum, settings)?;
     let highest = settings.speeds.last().copied().unwrap_or(0.0);
     let stiffening = match settings.form {
-        Form::Consistent if highest > 0.0 => Some(Stiffening::new(model, &spectrum, highest)?),
+        Form::Consistent if highest > 0.0 => {
+            let stiffening = Stiffening::new(model, &spectrum, highest);
+            Some(stiffening.map_err(|error| burst_of(model, error, highest))?)
+        }
         _ => None,
     };
     let operators = Operators::new(&assembly, &spectrum, settings.frame, settings.gyroscopic, stiffening);
-    refuse_burst(&operators, &spectrum, highest)?;
+    refuse_burst(&operators, &spectrum, highest).map_err(|error| burst_of(model, error, highest))?;
     let reduced = Reduced::new(&operators, &spectrum, basis - corrected, corrected)?;
     let criticals = if highest > 0.0 && (operators.is_conservative() || operators.is_rotating()) {
         Some(critical::critical_speeds(&operators, &spectrum, highest)?)
@@ -236,7 +239,8 @@ impl Solver<'_> {
         let mut imbalance = f64::INFINITY;
         for _ in 0..6 {
             let current = refined.as_ref().unwrap_or(self.reduced);
-            let targets: Vec<Whirling> = solution.motions.iter().take(wanted).cloned().collect();
+            let targets: Vec<Whirling> =
+                solution.motions.iter().take(wanted.min(solution.oscillating)).cloned().collect();
             let (next, left) = current.refined(self.operators, self.spectrum, speed, &targets)?;
             // what no longer shrinks is rounding, and corrections of it would be noise in the basis
             let stalled = left > imbalance / 2.0 && left <= ACCEPTED;

@@ -18,6 +18,8 @@ use crate::linalg::sparse::{Sparse, combine, multiply};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef, c64};
 
+/// Relative difference of two values up to which their vectors may be mixtures, or copies of each other.
+const NEAR: f64 = 1e-2;
 /// Most critical speeds that are solved for.
 pub const MOST: usize = 200;
 
@@ -242,7 +244,8 @@ fn complex_shapes(spectrum: &Spectrum, values: Vec<f64>, vectors: Mat<f64>) -> V
         let before = energy_image(spectrum, &shape);
         let length = product(&shape, &before).re;
         for (other, x, kx) in &kept {
-            if (value / other - 1.0).abs() < 1e-7 {
+            // eigenvectors of other values have no share in it
+            if (value / other - 1.0).abs() < NEAR {
                 let share = product(kx, &shape) / product(kx, x);
                 shape.iter_mut().zip(x).for_each(|(s, x)| *s -= share * x);
             }

@@ -118,13 +118,20 @@ impl Reduced {
         size(&motion.right[..self.n_rigid]) > RIGID * size(&motion.right[..self.size()])
     }
 
-    /// The overdamped motions: the slowest creeping motion with the fastest, and so on inwards. For one damped oscillator
-    /// and for viscous material alike the product of the two rates is the square of the frequency.
+    /// The overdamped motions: two creeping ones each, a slow one and a fast one. The slow one is the deflection that the
+    /// damper lets go of, and the frequency of that shape without damping that of its energies, `x^H K x / x^H M x`; a fast
+    /// one is little more than the damper's place.
     fn overdamped(&self, creeping: &[Whirling], first: usize) -> Vec<Overdamped> {
-        let n = creeping.len();
-        let rate = |i: usize| creeping[i].lambda.re.abs();
-        let pair = |i: usize| Overdamped { frequency: (rate(i) * rate(n - 1 - i)).sqrt(), slow: first + i };
-        (0..n / 2).map(pair).collect()
+        let frequency = |motion: &Whirling| {
+            let (mut strain, mut mass) = (0.0, 0.0);
+            for (v, w) in motion.right.iter().zip(&self.frequencies) {
+                strain += v.norm_sqr() * w * w;
+                mass += v.norm_sqr();
+            }
+            (strain / mass).sqrt()
+        };
+        let pair = |i: usize| Overdamped { frequency: frequency(&creeping[i]), slow: first + i };
+        (0..creeping.len() / 2).map(pair).collect()
     }
 
     /// Where frequencies coincide up to rounding, their motions are arbitrary mixtures: chooses those whose patterns travel

@@ -57,7 +57,7 @@ pub struct Solution {
 /// A motion that creeps: two real eigenvalues where an oscillation would have a conjugate pair.
 #[derive(Debug, Clone, Copy)]
 pub struct Overdamped {
-    /// Frequency it would have, the geometric mean of its two rates, rad/s.
+    /// Frequency of its shape without damping, rad/s.
     pub frequency: f64,
     /// The slower of the two among the motions.
     pub slow: usize,
@@ -114,7 +114,7 @@ impl Reduced {
         let mut answers: Vec<Mat<f64>> = forces
             .into_iter()
             .map(|f| {
-                let f = spectrum.without_soft_modes(&f);
+                let f = spectrum.without_low_modes(&f);
                 let answer = spectrum.flexibility.solve(f.clone());
                 let energy: Vec<f64> = (0..f.ncols()).map(|j| answer.col(j).transpose() * f.col(j)).collect();
                 let floor = ROUNDING * energy.iter().copied().fold(0.0, f64::max);

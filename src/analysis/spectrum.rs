@@ -17,6 +17,9 @@ const SOFT: f64 = 1e-6;
 /// Stiffness of a spring times the give of the shaft at its place above which the spring is not soft.
 const HARD: f64 = 100.0;
 
+/// Square of a frequency over that of the highest mode below which a mode stands apart.
+const LOW: f64 = 1e-9;
+
 /// Generalised inverse of the stiffness: exact on forces in balance, its result free of rigid motion.
 ///
 /// Bearings many decades softer than the shaft do not show in `K = K_0 + B k B^T`: rounding of K_0 resists the motions R that
@@ -364,10 +367,11 @@ impl Spectrum {
         self.flexibility.stiffness_times(&self.stiffness, x)
     }
 
-    /// The part of forces that the lowest modes, those on soft springs, do not answer to: what these answer would drown what
-    /// the others do, and they are in the basis anyway.
-    pub fn without_soft_modes(&self, f: &Mat<f64>) -> Mat<f64> {
-        let n = self.flexibility.soft_motions().map_or(0, |m| m.ncols()).min(self.values.len());
+    /// The part of forces that modes decades below the others do not answer to (those on soft springs, those of disks on a
+    /// massless shaft): what these answer would drown what the others do, and they are in the basis anyway.
+    pub fn without_low_modes(&self, f: &Mat<f64>) -> Mat<f64> {
+        let highest = self.values.last().copied().unwrap_or(0.0);
+        let n = self.values.iter().take_while(|value| **value < LOW * highest).count();
         if n == 0 {
             return f.clone();
         }

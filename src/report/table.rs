@@ -102,8 +102,12 @@ pub fn campbell(results: &Campbell) -> String {
             range.branch, range.from_rpm, range.to_rpm, range.largest_growth_rate_1_s
         );
     }
-    if let Some(speed) = results.stability_threshold_rad_s {
-        text += &format!("  stable below {:.3} rpm ({speed:.4} rad/s)\n", speed * 60.0 / TAU);
+    match (results.stability_threshold_rad_s, results.speeds_rad_s.first()) {
+        (Some(speed), Some(first)) if speed <= *first => text += "  unstable from the first speed\n",
+        (Some(speed), _) => {
+            text += &format!("  stable below {:.3} rpm ({speed:.4} rad/s)\n", speed * 60.0 / TAU);
+        }
+        _ => {}
     }
     text += "\n  critical speeds\n";
     if results.critical_speeds.is_empty() {
