@@ -10,6 +10,7 @@ use super::reduced::{Solution, Whirling};
 use super::tracking::{Continuation, follow};
 use crate::error::Result;
 use crate::results::{Branch, Diagnostic, ModeKind, Whirl};
+use faer::c64;
 use std::f64::consts::TAU;
 
 /// Circularity below which a whirl is mixed.
@@ -49,6 +50,8 @@ struct Trail {
     creeps: Vec<bool>,
     /// Where it was seen last: speed and motion; `None` while it creeps.
     seen: Option<(usize, usize)>,
+    /// What it was like when it was seen last.
+    last: Option<Whirling>,
 }
 
 impl Trail {
@@ -76,8 +79,8 @@ impl Solver<'_> {
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Result<Vec<Tracked>> {
         let Some(first) = sweep.first() else { return Ok(Vec::new()) };
-        let mut trails = self.starts(first);
         let mut remarks = Remarks::default();
+        let mut trails = self.starts(sweep, &mut remarks)?;
         for k in 1..sweep.len() {
             let crept = self.continue_to(&mut trails, sweep, k, &mut remarks)?;
             if crept || sweep[k].oscillating != sweep[k - 1].oscillating {
@@ -89,17 +92,52 @@ impl Solver<'_> {
         let mut branches: Vec<(f64, Tracked)> =
             trails.into_iter().map(|trail| (trail.start, self.tracked(trail, sweep, character))).collect();
         self.arrange(&mut branches, first);
-        Ok(branches.into_iter().map(|(_, tracked)| tracked).collect())
+        Ok(self.in_order(branches))
     }
 
-    /// The lowest motions at standstill, those that are overdamped among them.
-    fn starts(&self, first: &Solution) -> Vec<Trail> {
+    /// The branches by ascending frequency at the first speed asked for; where equal, as they are named.
+    fn in_order(&self, branches: Vec<(f64, Tracked)>) -> Vec<Tracked> {
+        let asked = self.first_asked();
+        let mut list: Vec<(f64, usize, Tracked)> = branches
+            .into_iter()
+            .enumerate()
+            .map(|(place, (start, tracked))| {
+                let frequency = tracked.branch.frequency_rad_s.get(asked).copied().flatten();
+                (frequency.unwrap_or(start), place, tracked)
+            })
+            .collect();
+        list.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for equal in list.chunk_by_mut(|a, b| b.0 - a.0 <= EQUAL * b.0) {
+            equal.sort_by_key(|(_, place, _)| *place);
+        }
+        list.into_iter().map(|(_, _, tracked)| tracked).collect()
+    }
+
+    /// Index of the first speed asked for; before it there is at most standstill.
+    fn first_asked(&self) -> usize {
+        let first = self.settings.speeds.first().copied().unwrap_or(0.0);
+        self.speeds.iter().position(|speed| *speed >= first).unwrap_or(0)
+    }
+
+    /// The lowest motions at standstill, those that are overdamped among them, and as many more as it takes to hold the lowest
+    /// ones of the first speed asked for.
+    fn starts(&self, sweep: &[Solution], remarks: &mut Remarks) -> Result<Vec<Trail>> {
+        let (first, asked) = (&sweep[0], &sweep[self.first_asked()]);
+        let few = self.settings.modes + SPARE;
         let oscillating = (0..first.oscillating).filter(|&i| first.motions[i].lambda.im > 0.0);
         let mut starts: Vec<(f64, Origin)> =
             oscillating.map(|i| (first.motions[i].lambda.im, Origin::Oscillating(i))).collect();
         starts.extend(first.overdamped.iter().map(|o| (o.frequency, Origin::Overdamped(o.slow))));
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-        starts.truncate(self.settings.modes + SPARE);
+        let mut count = few;
+        if asked.speed > first.speed {
+            let lowest: Vec<usize> = (0..asked.oscillating.min(few)).collect();
+            let back = follow(&|speed| self.solve(speed), asked, first, &lowest)?;
+            remarks.extra += back.extra;
+            let place = |i: usize| starts.iter().position(|(_, origin)| *origin == Origin::Oscillating(i));
+            count = back.to.into_iter().flatten().filter_map(place).map(|at| at + 1).fold(few, usize::max);
+        }
+        starts.truncate(count);
         let trail = |(start, origin): (f64, Origin)| {
             let place = if let Origin::Oscillating(i) = origin { Some(i) } else { None };
             Trail {
@@ -108,9 +146,13 @@ impl Solver<'_> {
                 places: vec![place],
                 creeps: vec![place.is_none()],
                 seen: place.map(|i| (0, i)),
+                last: match origin {
+                    Origin::Oscillating(_) | Origin::Rigid => None,
+                    Origin::Overdamped(slow) => first.motions.get(slow).cloned(),
+                },
             }
         };
-        starts.into_iter().map(trail).collect()
+        Ok(starts.into_iter().map(trail).collect())
     }
 
     /// Continues every branch that oscillates to speed `k`; true when one of them is not found among the oscillating motions.
@@ -150,6 +192,9 @@ impl Solver<'_> {
             missing |= oscillates.is_none();
             trail.places.push(oscillates);
             trail.creeps.push(creeps);
+            if let (true, Some((from, place))) = (creeps, trail.seen) {
+                trail.last = Some(sweep[from].motions[place].clone());
+            }
             trail.seen = match oscillates {
                 Some(place) => Some((k, place)),
                 None if creeps => None,
@@ -201,12 +246,30 @@ impl Solver<'_> {
                     places,
                     creeps: vec![false; k + 1],
                     seen: Some((k, i)),
+                    last: None,
                 });
-            } else if let Some(waiting) = trails.iter_mut().find(|t| t.waits() && t.places[k].is_none()) {
-                (waiting.places[k], waiting.creeps[k], waiting.seen) = (Some(i), false, Some((k, i)));
+                continue;
+            }
+            let likeness = |t: &Trail| t.last.as_ref().map_or(0.0, |m| self.overlap(m, &to.motions[i]));
+            let waiting = (0..trails.len()).filter(|&t| trails[t].waits() && trails[t].places[k].is_none());
+            // among equals the first
+            let best = waiting
+                .map(|t| (likeness(&trails[t]), t))
+                .reduce(|a, b| if b.0 > a.0 * (1.0 + EQUAL) { b } else { a });
+            if let Some((_, t)) = best {
+                (trails[t].places[k], trails[t].creeps[k], trails[t].seen) = (Some(i), false, Some((k, i)));
             }
         }
         Ok(())
+    }
+
+    /// Share of a shape in another: 1 for the same, a half for a plane in a circle.
+    fn overlap(&self, a: &Whirling, b: &Whirling) -> f64 {
+        let n = self.reduced.size();
+        let (a, b) = (&a.right[..n], &b.right[..n]);
+        let size = |v: &[c64]| v.iter().map(|v| v.norm_sqr()).sum::<f64>();
+        let product: c64 = a.iter().zip(b).map(|(a, b)| a.conj() * b).sum();
+        product.norm_sqr() / (size(a) * size(b))
     }
 
     /// The values of a branch.

@@ -20,6 +20,8 @@ use faer::{Mat, MatRef, c64};
 
 /// Relative difference of two values up to which their vectors may be mixtures, or copies of each other.
 const NEAR: f64 = 1e-2;
+/// Relative difference of two speeds that is none.
+const EQUAL: f64 = 1e-8;
 /// Most critical speeds that are solved for.
 pub const MOST: usize = 200;
 
@@ -179,8 +181,34 @@ pub fn critical_speeds(operators: &Operators, spectrum: &Spectrum, highest: f64)
             imbalance = imbalance.max(left_over(operators, spectrum, critical));
         }
     }
+    if parts == 2 {
+        for equal in list.chunk_by_mut(|a, b| b.speed / a.speed - 1.0 <= EQUAL).filter(|c| c.len() > 1) {
+            circularise(operators, equal)?;
+        }
+    }
     let complete = list.len() == wanted && list.last().is_none_or(|c| c.speed <= highest * (1.0 + 1e-9));
     Ok(Criticals { list, complete, imbalance })
+}
+
+/// Shapes at one speed are arbitrary mixtures: chooses those that travel most clearly, the backward ones first.
+fn circularise(operators: &Operators, equal: &mut [Critical]) -> Result<()> {
+    let k = equal.len();
+    let images = |a: &Sparse| -> Vec<Vec<c64>> { equal.iter().map(|c| image(a, &c.shape)).collect() };
+    let form = |images: &[Vec<c64>]| Mat::from_fn(k, k, |i, j| product(&equal[i].shape, &images[j]));
+    let (mass, travel) = (form(&images(&operators.mass)), form(&images(&operators.travel)));
+    let (sizes, axes) = self_adjoint(mass.as_ref())?;
+    // written so that sizes that are no numbers leave the shapes as they are
+    if !(sizes[0] > 1e-6 * sizes[k - 1]) {
+        return Ok(());
+    }
+    let half = Mat::from_fn(k, k, |i, j| axes[(i, j)] / sizes[j].sqrt());
+    let turning = half.adjoint() * Mat::from_fn(k, k, |i, j| travel[(i, j)] * c64::new(0.0, -1.0)) * &half;
+    let weights = &half * self_adjoint(turning.as_ref())?.1;
+    let entry = |j: usize, at: usize| (0..k).map(|i| equal[i].shape[at] * weights[(i, j)]).sum();
+    let shapes: Vec<Vec<c64>> =
+        (0..k).map(|j| (0..equal[0].shape.len()).map(|at| entry(j, at)).collect()).collect();
+    equal.iter_mut().zip(shapes).for_each(|(critical, shape)| critical.shape = shape);
+    Ok(())
 }
 
 /// The speed at which a shape is in balance in the mean, K being that of the speed itself. The error is the

