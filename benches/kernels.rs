@@ -5,6 +5,7 @@ use divan::counter::ItemsCount;
 use rotor::element::lanes::Scratch;
 use rotor::element::nonlinear::NonlinearElement;
 use rotor::element::ring_forces::RingElement;
+use rotor::instructions::Instructions;
 use rotor::model::{ElementKind, Law, Material, Quadrature};
 use rotor::section::Section;
 use rotor::vectors::SectionBasis;
@@ -66,17 +67,12 @@ fn tangent(bencher: Bencher<'_, '_>, (order, quadrature): (usize, usize)) {
 }
 
 /// 34X3, exact, with narrower instructions than the machine may have.
-const NARROW: [&str; 2] = ["AVX2", "none"];
+const NARROW: [&str; 2] = ["avx2", "none"];
 
 fn narrow(name: &str) -> Option<(NonlinearElement, Vec<f64>)> {
-    let arch = match name {
-        #[cfg(target_arch = "x86_64")]
-        "AVX2" => pulp::Arch::V3(pulp::x86::V3::try_new()?),
-        "none" => pulp::Arch::Scalar,
-        _ => return None,
-    };
+    let instructions = Instructions::from_name(name).filter(|set| set.are_available())?;
     let (element, q) = element(3, 0);
-    Some((element.with_instructions(arch), q))
+    Some((element.with_instructions(instructions), q))
 }
 
 #[divan::bench(args = NARROW)]

@@ -211,7 +211,7 @@ impl<'a> Assembly<'a> {
 
     /// Stiffness about the undeformed state: shaft, hubs and the symmetric part of the bearings.
     pub fn stiffness(&self) -> Sparse {
-        let mut nodal = support::hub_stiffness(self.model, &self.numbering);
+        let mut nodal = support::Hubs::new(self.model, &self.numbering).stiffness();
         nodal.extend(self.bearings(|b| symmetric_part(b.stiffness)));
         self.build(Some(&|_, m| m.stiffness.clone()), nodal)
     }
@@ -262,7 +262,7 @@ impl<'a> Assembly<'a> {
 
     /// Stiffness of shaft and hubs about the undeformed state, without bearings.
     pub fn elastic_parts(&self) -> Parts {
-        self.parts(Some(&|_, m| m.stiffness.clone()), support::hub_stiffness(self.model, &self.numbering))
+        self.parts(Some(&|_, m| m.stiffness.clone()), support::Hubs::new(self.model, &self.numbering).stiffness())
     }
 
     /// Stiffness and damping of the bearings averaged over the directions, as a turning section feels them in the mean.
@@ -534,6 +534,14 @@ impl<'a> Assembly<'a> {
                     }
                 }
             }
+            // normals turn like the axis
+            for normal in self.numbering.all_normals() {
+                match motion {
+                    4 => q[normal + 2] = -r / l,
+                    5 => q[normal + 1] = r / l,
+                    _ => {}
+                }
+            }
             q
         })
     }
@@ -541,8 +549,10 @@ impl<'a> Assembly<'a> {
     /// For every free coordinate whether it changes its sign when the shaft is mirrored, y -> -y and z -> -z.
     pub fn mirror_signs(&self) -> Vec<[bool; 2]> {
         let mut signs = Vec::with_capacity(self.numbering.len());
-        for node in &self.model.nodes {
-            for [y, z] in node.odd() {
+        for (i, node) in self.model.nodes.iter().enumerate() {
+            // a normal is a vector as r is
+            let normals = self.numbering.normals(i).len() / 3;
+            for [y, z] in node.odd().into_iter().chain((0..normals).map(|_| [false; 2])) {
                 signs.extend([[y, z], [!y, z], [y, !z]]);
             }
         }
@@ -714,6 +724,10 @@ fn eliminate(model: &Model, numbering: &Numbering, supports: bool) -> Eliminatio
                 .collect();
         }
         follow(model, node, start, &mut expansion);
+        for normal in numbering.normals(node) {
+            expansion[normal] = vec![(free.len(), 1.0)];
+            free.push(normal);
+        }
     }
     (expansion, free, constraints)
 }

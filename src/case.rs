@@ -569,6 +569,9 @@ pub struct Spinup {
     /// Only the equilibrium at the last speed.
     #[serde(default)]
     pub steady: bool,
+    /// Position of a section that the drive turns and holds in no other way: its mean rotation follows the drive. It is
+    /// what turns a rotor on bearings.
+    pub driven_at: Option<Length>,
     /// Rings that limit the motion of the shaft.
     #[serde(default)]
     pub stators: Vec<Stator>,

@@ -12,7 +12,7 @@ use crate::element::structural::{AXIAL_POINTS, StructuralElement};
 use crate::error::{Error, Result};
 use crate::linalg::sparse::Sparse;
 use crate::model::{Element, Law, Model};
-use crate::support::{self, Contribution};
+use crate::support::{Contribution, Hubs};
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
@@ -34,11 +34,11 @@ impl ElementForces {
         let (section, material) = (&model.sections[e.section], &model.materials[e.material]);
         let (r, quadrature) = (model.reference_length, model.quadrature);
         if let Some(element) = RingElement::new(e.kind, section, material, e.length, r, quadrature) {
-            return Ok(Self::Ring(Box::new(element)));
+            return Ok(Self::Ring(Box::new(element.with_instructions(model.instructions))));
         }
         if e.kind.law != Law::Structural {
             let element = NonlinearElement::new(e.kind, section, material, e.length, r, quadrature);
-            return Ok(Self::Continuum(Box::new(element)));
+            return Ok(Self::Continuum(Box::new(element.with_instructions(model.instructions))));
         }
         if material.stiffness_damping != 0.0 {
             return Err(Error::Usage(
@@ -113,8 +113,7 @@ pub struct Forces<'a> {
     assembly: &'a Assembly<'a>,
     /// Distinct elements.
     elements: Vec<ElementForces>,
-    /// Node and stiffness of rigid hubs.
-    hubs: Vec<(usize, f64)>,
+    hubs: Hubs,
     /// First coordinate of every node of every element, and coordinates of one node.
     places: Vec<(Vec<usize>, usize)>,
 }
@@ -143,7 +142,7 @@ impl<'a> Forces<'a> {
             let first = (0..=e.kind.axial_degree).map(|i| assembly.numbering.of_element(e, i)).collect();
             places.push((first, 3 * e.kind.n_vectors()));
         }
-        Ok(Self { assembly, elements, hubs: support::hubs(model), places })
+        Ok(Self { assembly, elements, hubs: Hubs::new(model, &assembly.numbering), places })
     }
 
     /// The undeformed state: `r = (x, 0, 0)`, `r_,y = (0, 1, 0)`, `r_,z = (0, 0, 1)`, scaled.
@@ -157,6 +156,7 @@ impl<'a> Forces<'a> {
                 q[first + 8] = model.reference_length;
             }
         }
+        numbering.all_normals().for_each(|normal| q[normal] = model.reference_length);
         q
     }
 
@@ -188,15 +188,7 @@ impl<'a> Forces<'a> {
                 self.scatter(e, f, force);
             }
         }
-        for &(node, k) in &self.hubs {
-            let (part, forces) =
-                support::hub_force(k, self.assembly.model.reference_length, self.slopes(q, node));
-            energy += part;
-            for (vector, f) in forces.iter().enumerate() {
-                let at = self.assembly.numbering.index(node, 1 + vector, 0);
-                force[at..at + 3].iter_mut().zip(f.iter()).for_each(|(t, f)| *t += f);
-            }
-        }
+        energy += self.hubs.add_force(q, force);
         energy
     }
 
@@ -264,11 +256,9 @@ impl<'a> Forces<'a> {
         }
     }
 
-    /// Tangent of every rigid hub.
+    /// Tangent of every hub.
     pub fn hub_tangents(&self, q: &[f64]) -> Vec<Contribution> {
-        let (model, numbering) = (self.assembly.model, &self.assembly.numbering);
-        let tangent = |&(node, k)| support::hub_tangent(model, numbering, node, k, self.slopes(q, node));
-        self.hubs.iter().map(tangent).collect()
+        self.hubs.tangents(q)
     }
 
     /// Rotation of the section at a node: orthonormal frame nearest to its r_,y and r_,z (columns are the

@@ -1,7 +1,7 @@
 //! Rotordynamics on the higher-order ANCF beam element 34X3.
 //!
 //! Data flows one way; each module uses only what stands before it:
-//! `units, error, json, vectors -> case -> model -> element -> assembly, forces, rub, dynamics, contact -> integrate ->
+//! `units, error, json, vectors, instructions -> case -> model -> element -> assembly, forces, rub, dynamics, contact -> integrate ->
 //! analysis -> results -> plot, report -> study -> cli`.
 //!
 //! ```
@@ -29,6 +29,7 @@ pub mod dynamics;
 pub mod element;
 pub mod error;
 pub mod forces;
+pub mod instructions;
 pub mod integrate;
 pub mod json;
 pub mod linalg;

@@ -6,6 +6,7 @@ mod choice;
 mod mesh;
 pub mod scene;
 
+use crate::instructions::Instructions;
 use crate::section::{Section, Surface};
 use crate::vectors::SectionBasis;
 
@@ -188,6 +189,14 @@ pub struct Disk {
     pub hub: Hub,
 }
 
+impl Disk {
+    /// `Id - Jp/2`, what the thickness adds to the diametral inertia of a thin disk, kg m^2; zero within rounding.
+    pub fn thickness_inertia(&self) -> f64 {
+        let excess = self.diametral_inertia - self.polar_inertia / 2.0;
+        if excess > 1e-12 * self.diametral_inertia { excess } else { 0.0 }
+    }
+}
+
 /// What a support or load takes hold of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ActsOn {
@@ -257,6 +266,8 @@ pub enum SupportKind {
     Pinned(ActsOn),
     /// Mean displacement held in y and z; tilt free.
     Roller(ActsOn),
+    /// Nothing held but the mean rotation of the section, which the drive prescribes.
+    Turned,
     /// Exactly these components: `(vector index, component)`, in the order of the element's vectors.
     Fix(Vec<(usize, usize)>),
 }
@@ -449,6 +460,8 @@ pub struct SpinupSettings {
     pub output: usize,
     /// Only the equilibrium at the last speed, no transient.
     pub steady: bool,
+    /// Node whose section the drive turns without holding it otherwise.
+    pub driven_node: Option<usize>,
     /// Rings around the shaft.
     pub stators: Vec<Stator>,
 }
@@ -494,6 +507,8 @@ pub struct Model {
     pub sections: Vec<Section>,
     /// Elements that the program chose itself (`"element": "auto"`), and why.
     pub choices: Vec<ElementChoice>,
+    /// Places that stood beside an element end by rounding and were moved onto it, in words.
+    pub snapped: Vec<String>,
     /// Elements from left to right.
     pub elements: Vec<Element>,
     /// Nodes from left to right.
@@ -514,6 +529,8 @@ pub struct Model {
     pub tractions: Vec<Traction>,
     /// Integration of nonlinear forces.
     pub quadrature: Quadrature,
+    /// Vector instructions of the force kernels.
+    pub instructions: Instructions,
     /// Modes to report.
     pub modes: usize,
     /// Sweep, when the case has one.
@@ -525,6 +542,17 @@ pub struct Model {
 }
 
 impl Model {
+    /// The same shaft with the section turned that [`SpinupSettings::driven_node`] names.
+    pub fn with_drive(&self, settings: &SpinupSettings) -> Self {
+        let mut driven = self.clone();
+        driven.supports.extend(settings.driven_node.map(|node| Support {
+            node,
+            kind: SupportKind::Turned,
+            path: "spinup.driven_at".to_owned(),
+        }));
+        driven
+    }
+
     /// Largest estimate of the relative error that the functions of automatically chosen elements leave.
     pub fn estimated_error(&self) -> Option<f64> {
         self.choices.iter().map(|choice| choice.estimated_error).reduce(f64::max)

@@ -3,16 +3,15 @@
 //! A node of order n carries (n+1)(n+2)/2 vectors, so "clamped" or "on the section" needs a meaning;
 //! docs/theory.md section 7 states it. Coordinates are scaled: `q = R^(a+b) r_,(y^a z^b)`.
 
-use crate::element::basis::{derivative, evaluate, lagrange};
 use crate::element::fields::SectionFunctions;
 use crate::element::outline::{LinePoint, line};
 use crate::model::{ActsOn, Disk, Element, Field, Hub, Model, SectionHold, SupportKind};
 use crate::section::Section;
 use faer::Mat;
-use nalgebra::{Matrix3, Vector3};
 
-/// Stiffness of a rigid hub, `k = HUB E R^3` (N m), on the strains of r_,y and r_,z.
-const HUB: f64 = 4000.0;
+mod hub;
+
+pub use hub::Hubs;
 
 /// A matrix on some coordinates of the shaft (indices before constraints).
 pub struct Contribution {
@@ -22,29 +21,57 @@ pub struct Contribution {
     pub matrix: Mat<f64>,
 }
 
-/// Coordinates before constraints: `offset(node) + 3 vector + component`; the vectors of a neighbour that follows
-/// come after the node's own.
+/// Coordinates before constraints: `offset(node) + 3 vector + component`. The vectors of a neighbour that follows
+/// come after the node's own, and after both the normals of disks that are thicker than thin.
 pub struct Numbering {
     offsets: Vec<usize>,
-    /// First coordinate of the vectors that follow, or the end of the node.
+    /// First coordinate of the vectors that follow; that of the normals where none do.
     followers: Vec<usize>,
+    /// First coordinate of the normals, or the end of the node.
+    normals: Vec<usize>,
+    /// First coordinate of the normal of each disk that has one.
+    of_disk: Vec<Option<usize>>,
 }
 
 impl Numbering {
     /// Numbers the nodes from left to right.
     pub fn new(model: &Model) -> Self {
-        let (mut offsets, mut followers) = (vec![0], Vec::new());
+        let (mut offsets, mut followers, mut normals) = (vec![0], Vec::new(), Vec::new());
+        let mut of_disk = vec![None; model.disks.len()];
         for (i, node) in model.nodes.iter().enumerate() {
             followers.push(offsets[i] + 3 * node.n_vectors());
-            offsets.push(followers[i] + 3 * node.follower.map_or(0, |f| f.basis.count()));
+            normals.push(followers[i] + 3 * node.follower.map_or(0, |f| f.basis.count()));
+            let mut end = normals[i];
+            for (disk, place) in model.disks.iter().zip(&mut of_disk) {
+                if disk.node == i && disk.thickness_inertia() > 0.0 {
+                    *place = Some(end);
+                    end += 3;
+                }
+            }
+            offsets.push(end);
         }
-        Self { offsets, followers }
+        Self { offsets, followers, normals, of_disk }
     }
 
-    /// First coordinate of every set of vectors at a node: its own, and those that follow.
+    /// First coordinate of every set of section vectors at a node: its own, and those that follow.
     pub fn fields(&self, node: usize) -> impl Iterator<Item = usize> {
-        let (own, follower, end) = (self.offsets[node], self.followers[node], self.offsets[node + 1]);
+        let (own, follower, end) = (self.offsets[node], self.followers[node], self.normals[node]);
         std::iter::once(own).chain((follower < end).then_some(follower))
+    }
+
+    /// First coordinate of the normal of a disk, `R n`; `None` for a disk without inertia of thickness.
+    pub fn normal(&self, disk: usize) -> Option<usize> {
+        self.of_disk[disk]
+    }
+
+    /// The coordinates of all normals at a node.
+    pub fn normals(&self, node: usize) -> std::ops::Range<usize> {
+        self.normals[node]..self.offsets[node + 1]
+    }
+
+    /// First coordinates of all normals.
+    pub fn all_normals(&self) -> impl Iterator<Item = usize> {
+        self.of_disk.iter().flatten().copied()
     }
 
     /// First coordinate of the vectors of an element at its i-th node.
@@ -98,13 +125,14 @@ pub fn functions_at(model: &Model, node: usize) -> SectionFunctions {
     functions(model, model.nodes[node].field)
 }
 
-/// True when a support at the node turns its section with the drive: driven ends, and fixed components.
+/// True when a support at the node turns its section with the drive: driven ends and sections, and fixed components.
 pub fn drives(model: &Model, node: usize) -> bool {
     model.supports.iter().filter(|s| s.node == node).any(|s| {
         matches!(
             s.kind,
             SupportKind::Revolute { driven: true, .. }
                 | SupportKind::Cylindrical { driven: true, .. }
+                | SupportKind::Turned
                 | SupportKind::Fix(_)
         )
     })
@@ -223,6 +251,7 @@ pub fn constraint_rows(model: &Model, node: usize) -> Vec<Vec<f64>> {
             SupportKind::Cylindrical { hold, driven } => held(*hold, true, *driven),
             SupportKind::Pinned(acts_on) => (0..3).map(|c| mean(c, *acts_on)).collect(),
             SupportKind::Roller(acts_on) => (1..3).map(|c| mean(c, *acts_on)).collect(),
+            SupportKind::Turned => vec![mean_rotation(model, node, ActsOn::Section)],
             SupportKind::Fix(components) => components.iter().map(|&(k, c)| unit(k, c)).collect(),
         });
     }
@@ -240,65 +269,6 @@ fn mean_rotation(model: &Model, node: usize, acts_on: ActsOn) -> Vec<f64> {
     let with_y = region.integrals_per(1, 0, per).into_iter();
     let with_z = region.integrals_per(0, 1, per).into_iter();
     with_y.zip(with_z).flat_map(|(y, z)| [0.0, -z, y]).collect()
-}
-
-/// Nodes with a rigid hub (disks, and rigid ends that spin free) and its stiffness `k = HUB E R^3`, N m.
-pub fn hubs(model: &Model) -> Vec<(usize, f64)> {
-    let rigid_disks = model.disks.iter().filter(|d| d.hub == Hub::Rigid).map(|d| d.node);
-    let free_ends = model.supports.iter().filter(|s| {
-        matches!(
-            s.kind,
-            SupportKind::Revolute { hold: SectionHold::Rigid, driven: false }
-                | SupportKind::Cylindrical { hold: SectionHold::Rigid, driven: false }
-        )
-    });
-    let mut nodes: Vec<usize> = rigid_disks.chain(free_ends.map(|s| s.node)).collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    let modulus = |node: usize| {
-        let moduli = elements_at(model, node).map(|e| model.materials[e.material].youngs_modulus);
-        moduli.fold(0.0, f64::max)
-    };
-    nodes.into_iter().map(|node| (node, HUB * modulus(node) * model.reference_length.powi(3))).collect()
-}
-
-/// Stiffness of rigid hubs on r_,y and r_,z about the undeformed state.
-pub fn hub_stiffness(model: &Model, numbering: &Numbering) -> Vec<Contribution> {
-    let r = model.reference_length;
-    let upright = [Vector3::new(0.0, r, 0.0), Vector3::new(0.0, 0.0, r)];
-    let of = |(node, k)| hub_tangent(model, numbering, node, k, upright);
-    hubs(model).into_iter().map(of).collect()
-}
-
-/// Energy `k/2 (E_yy^2 + E_zz^2 + 2 E_yz^2)` of a rigid hub and its forces on `vectors = [R r_,y, R r_,z]`,
-/// with `E_ab = (r_,a . r_,b - delta_ab) / 2`.
-pub fn hub_force(k: f64, reference_length: f64, vectors: [Vector3<f64>; 2]) -> (f64, [Vector3<f64>; 2]) {
-    let ([a, b], r2) = (vectors, reference_length.powi(2));
-    let (yy, zz, yz) = ((a.dot(&a) / r2 - 1.0) / 2.0, (b.dot(&b) / r2 - 1.0) / 2.0, a.dot(&b) / (2.0 * r2));
-    let energy = k / 2.0 * (yy * yy + zz * zz + 2.0 * yz * yz);
-    (energy, [(a * yy + b * yz) * (k / r2), (b * zz + a * yz) * (k / r2)])
-}
-
-/// Derivative of [`hub_force`] by the vectors.
-pub fn hub_tangent(
-    model: &Model,
-    numbering: &Numbering,
-    node: usize,
-    k: f64,
-    vectors: [Vector3<f64>; 2],
-) -> Contribution {
-    let ([a, b], r2) = (vectors, model.reference_length.powi(2));
-    let (yy, zz, yz) = ((a.dot(&a) / r2 - 1.0) / 2.0, (b.dot(&b) / r2 - 1.0) / 2.0, a.dot(&b) / (2.0 * r2));
-    let one = Matrix3::identity();
-    let (aa, bb) = (a * a.transpose() / r2, b * b.transpose() / r2);
-    let blocks = [
-        [one * yy + aa + bb / 2.0, one * yz + b * a.transpose() / (2.0 * r2)],
-        [one * yz + a * b.transpose() / (2.0 * r2), one * zz + bb + aa / 2.0],
-    ];
-    Contribution {
-        coordinates: (0..6).map(|i| numbering.index(node, 1 + i / 3, i % 3)).collect(),
-        matrix: Mat::from_fn(6, 6, |i, j| k / r2 * blocks[i / 3][j / 3][(i % 3, j % 3)]),
-    }
 }
 
 /// r, R r_,y and R r_,z of the axis as rows over the coordinates (first component); of a ring section those of the mean
@@ -336,58 +306,25 @@ fn on_rows(block: &Mat<f64>, rows: &[Vec<(usize, f64)>]) -> Contribution {
     on_vectors(&(dense.transpose() * block * &dense), &starts)
 }
 
-/// Mass of the disks: `m/2 |r + d_y r_,y + d_z r_,z|^2 + Jp/4 (|r_,y|^2 + |r_,z|^2) + (Id - Jp/2)/2
-/// |r_,x|^2`, r_,x being the mean of both sides of the node; on a boundary its mean affine motion stands for r, r_,y
+/// Mass of the disks: `m/2 |r + d_y r_,y + d_z r_,z|^2 + Jp/4 (|r_,y|^2 + |r_,z|^2) + (Id - Jp/2)/2 |n|^2` in rates;
+/// n is the normal that [`Hubs`] keep upright on the section. On a boundary its mean affine motion stands for r, r_,y
 /// and r_,z.
 pub fn disk_mass(model: &Model, numbering: &Numbering) -> Vec<Contribution> {
     let r = model.reference_length;
     let mut result = Vec::new();
-    for disk in &model.disks {
+    for (i, disk) in model.disks.iter().enumerate() {
         let centre = [1.0, disk.offset[0] / r, disk.offset[1] / r];
         let half_polar = disk.polar_inertia / 2.0 / (r * r);
         let vectors = Mat::from_fn(3, 3, |k, l| {
             disk.mass * centre[k] * centre[l] + if k == l && k > 0 { half_polar } else { 0.0 }
         });
         result.push(on_rows(&vectors, &disk_vectors(model, numbering, disk)));
-        let excess = disk.diametral_inertia - disk.polar_inertia / 2.0;
-        if excess > 1e-12 * disk.diametral_inertia {
-            let slope = axial_slope(model, numbering, disk);
-            let outer = Mat::from_fn(slope.len(), slope.len(), |i, j| excess * slope[i].1 * slope[j].1);
-            let starts: Vec<usize> = slope.iter().map(|s| s.0).collect();
-            result.push(on_vectors(&outer, &starts));
+        if let Some(normal) = numbering.normal(i) {
+            let thickness = Mat::from_fn(1, 1, |_, _| disk.thickness_inertia() / (r * r));
+            result.push(on_vectors(&thickness, &[normal]));
         }
     }
     result
-}
-
-/// `r_,x` at the disk as a sum over vectors: `(first coordinate, weight)`, the mean of both sides. Of a ring the mean
-/// displacement of the section stands for r, on a boundary that of the boundary.
-fn axial_slope(model: &Model, numbering: &Numbering, disk: &Disk) -> Vec<(usize, f64)> {
-    let sides: Vec<_> = elements_at(model, disk.node).collect();
-    let mut slope: Vec<(usize, f64)> = Vec::new();
-    for element in &sides {
-        let section = &model.sections[element.section];
-        let field = Field { basis: element.kind.basis, section: element.section };
-        let functions = functions(model, field);
-        let boundary = section_at(model, disk.node).filter(|_| disk.hub.acts_on() != ActsOn::Axis);
-        let vectors = match boundary.and_then(|s| Region::of(functions.clone(), s, disk.hub.acts_on())) {
-            Some(region) => region.means(),
-            None if field.basis.is_ring() => functions.means(section),
-            None => vec![1.0],
-        };
-        let xi = if element.first_node == disk.node { -1.0 } else { 1.0 };
-        for (i, l) in lagrange(element.kind.axial_degree).iter().enumerate() {
-            let weight = evaluate(&derivative(l), xi) * 2.0 / element.length / sides.len() as f64;
-            for (k, share) in vectors.iter().enumerate().filter(|(_, w)| **w != 0.0) {
-                let (start, weight) = (numbering.of_element(element, i) + 3 * k, weight * share);
-                match slope.iter_mut().find(|s| s.0 == start) {
-                    Some(entry) => entry.1 += weight,
-                    None => slope.push((start, weight)),
-                }
-            }
-        }
-    }
-    slope
 }
 
 /// Gyroscopic terms of the disks per unit spin speed: `G[y,z] += Jp I3, G[z,y] -= Jp I3`.

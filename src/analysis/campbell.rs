@@ -13,8 +13,7 @@ use super::reduced::{Reduced, Solution, Whirling};
 use super::remarks::{describe_model, offset_remark, refusal, speed_remarks};
 use super::spectrum::{Flexibility, Spectrum};
 use super::stiffening::{Stiffening, burst, burst_of};
-use super::wall::wall_remarks;
-use super::{Outcome, ignored_input, summary};
+use super::{Outcome, ignored_input, model_remarks, summary};
 use crate::assembly::Assembly;
 use crate::error::{Error, Result};
 use crate::linalg::factor::Ldlt;
@@ -48,7 +47,6 @@ pub fn campbell(
     progress: Progress<'_>,
 ) -> Result<Outcome<Campbell>> {
     let mut diagnostics = ignored_input(model);
-    wall_remarks(model, &mut diagnostics);
     if let Some(refused) = refusal(model, settings) {
         return Err(Error::Usage(format!("{}; remedy: {}", refused.reason, refused.remedy)));
     }
@@ -57,6 +55,7 @@ pub fn campbell(
         refuse_tiny_bore(model)?;
     }
     let assembly = Assembly::new(model);
+    diagnostics.extend(model_remarks(model, &assembly));
     let basis = settings.reduction.unwrap_or(60).max(settings.modes + SPARE);
     let corrected = (CORRECTED * basis as f64).ceil() as usize;
     let spectrum = Spectrum::new(&assembly, basis - corrected)?;

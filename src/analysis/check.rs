@@ -1,8 +1,7 @@
 //! `rotor check`: what will be modelled, how big it is, and what it weighs.
 
-use super::estimates::{bore_remarks, estimates, slow_remark};
-use super::wall::wall_remarks;
-use super::{Outcome, ignored_input, summary};
+use super::estimates::slow_remark;
+use super::{Outcome, ignored_input, model_remarks, summary};
 use crate::assembly::Assembly;
 use crate::error::Result;
 use crate::model::{Model, estimated_memory};
@@ -112,9 +111,7 @@ pub fn check(model: &Model) -> Result<Outcome<Check>> {
         Some(settings) => model_summary.modelled.push(format!("campbell: {} speeds", settings.speeds.len())),
         None => model_summary.left_out.push("spin: no `campbell` block".to_owned()),
     }
-    wall_remarks(model, &mut diagnostics);
-    bore_remarks(model, &mut diagnostics);
-    estimates(model, &assembly, &mut diagnostics);
+    diagnostics.extend(model_remarks(model, &assembly));
     if let Some(spin) = &model.spinup {
         let fastest = spin.drive.iter().map(|p| p.speed).fold(0.0, f64::max);
         slow_remark(model, fastest, &mut diagnostics);

@@ -190,7 +190,7 @@ pub fn slow_remark(model: &Model, speed: f64, diagnostics: &mut Vec<Diagnostic>)
     }
 }
 
-/// Warnings of `check`: members that lock, functions that are nearly dependent, digits that rounding takes, one or two
+/// Members that lock, functions that are nearly dependent, digits that rounding takes, one or two
 /// long elements.
 pub fn estimates(model: &Model, assembly: &Assembly<'_>, diagnostics: &mut Vec<Diagnostic>) {
     let mut warn = |code, text: String| diagnostics.push(Diagnostic::warning(code, text));

@@ -12,7 +12,8 @@ pub struct Row {
     /// Position of the node, m.
     pub x_m: f64,
     /// Vector, e.g. "r", "y", "yz": the derivative of the position, in 1/m^order; of a ring "P1cos2": what multiplies
-    /// that function, in m.
+    /// that function, in m; "normal2" is the unit normal that carries what the thickness of the second disk adds to its
+    /// diametral inertia.
     pub vector: String,
     /// Component: "x", "y" or "z".
     pub component: &'static str,
@@ -42,6 +43,14 @@ pub fn matrices(model: &Model) -> (Vec<Row>, Vec<PhysicalMatrix>) {
             for component in ["x", "y", "z"] {
                 rows.push(Row { node: node + 1, x_m: at.x, vector: vector.clone(), component });
                 scale.push(model.reference_length.powi(power));
+            }
+        }
+        for disk in (0..model.disks.len())
+            .filter(|&d| model.disks[d].node == node && assembly.numbering.normal(d).is_some())
+        {
+            for component in ["x", "y", "z"] {
+                rows.push(Row { node: node + 1, x_m: at.x, vector: format!("normal{}", disk + 1), component });
+                scale.push(model.reference_length);
             }
         }
     }

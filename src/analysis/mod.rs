@@ -23,12 +23,14 @@ pub mod rub;
 pub mod spectrum;
 pub mod spinup;
 pub mod state;
+pub mod stations;
 pub mod statics;
 pub mod stiffening;
 pub mod tracking;
 pub mod tradeoff;
 pub mod wall;
 
+use crate::assembly::Assembly;
 use crate::element::structural::AXIAL_POINTS;
 use crate::model::{Hub, Law, Model, Quadrature};
 use crate::results::{Diagnostic, ModelSummary};
@@ -107,6 +109,17 @@ fn quadrature_name(model: &Model) -> String {
             format!("axial {}, section {}", points(axial), points(section))
         }
     }
+}
+
+/// What every analysis says of its model, before it runs: places that were snapped, elements that were chosen, functions
+/// that lock, miss a wall or lose digits.
+fn model_remarks(model: &Model, assembly: &Assembly<'_>) -> Vec<Diagnostic> {
+    let mut list: Vec<Diagnostic> =
+        model.snapped.iter().map(|text| Diagnostic::info("snapped", text.clone())).collect();
+    wall::wall_remarks(model, &mut list);
+    estimates::bore_remarks(model, &mut list);
+    estimates::estimates(model, assembly, &mut list);
+    list
 }
 
 /// Remarks on input that a linear analysis does not use.

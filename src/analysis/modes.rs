@@ -3,8 +3,7 @@
 use super::character::Character;
 use super::estimates::refuse_dependent;
 use super::spectrum::Spectrum;
-use super::wall::wall_remarks;
-use super::{Outcome, ignored_input, summary};
+use super::{Outcome, ignored_input, model_remarks, summary};
 use crate::assembly::Assembly;
 use crate::element::basis::{evaluate, lagrange};
 use crate::error::Result;
@@ -55,7 +54,7 @@ pub fn modes(model: &Model) -> Result<Outcome<Modes>> {
         });
     }
     let mut diagnostics = ignored_input(model);
-    wall_remarks(model, &mut diagnostics);
+    diagnostics.extend(model_remarks(model, &assembly));
     if !spectrum.complete {
         diagnostics.push(Diagnostic::error(
             "sturm-count",

@@ -1,5 +1,6 @@
 //! States at material points: displacement, strain and stress from the coordinates of a shaft.
 
+use super::stations::in_rigid_hub;
 use crate::assembly::Assembly;
 use crate::element::basis::{derivative, evaluate, lagrange};
 use crate::element::nonlinear::stress_at;
@@ -15,7 +16,7 @@ const PROFILE: usize = 17;
 const OUTLINE: usize = 96;
 
 /// The element at a position (the left one at a common end).
-fn element_at(model: &Model, x: f64) -> &Element {
+pub fn element_at(model: &Model, x: f64) -> &Element {
     let tolerance = 1e-9 * model.length;
     let inside = |e: &&Element| x <= e.x + e.length + tolerance;
     model.elements.iter().find(inside).unwrap_or(&model.elements[model.elements.len() - 1])
@@ -72,6 +73,7 @@ pub fn point_state(assembly: &Assembly<'_>, q: &[f64], [x, y, z]: [f64; 3]) -> P
     let deviator = cauchy - Matrix3::identity() * (i1 / 3.0);
     let displacement = place - Vector3::new(x, y, z);
     PointState {
+        in_rigid_hub: in_rigid_hub(model, x),
         y_m: y,
         z_m: z,
         displacement_m: displacement.into(),
@@ -112,21 +114,13 @@ pub fn probe_states(assembly: &Assembly<'_>, q: &[f64]) -> Vec<ProbeState> {
         .map(|probe| {
             let mut points: Vec<PointState> = probe.points.iter().map(|&p| state(probe.x, p)).collect();
             let point = if points.len() == 1 { points.pop() } else { None };
-            ProbeState { name: probe.name.clone(), at_m: probe.x, point, points }
+            ProbeState { name: probe.name.clone(), at_m: probe.x, point, points, growth: None }
         })
         .collect()
 }
 
-/// The section at mid-length.
-pub fn mid_section(model: &Model) -> (f64, Section, usize) {
-    let x = model.length / 2.0;
-    let e = element_at(model, x);
-    (x, model.sections[e.section], e.material)
-}
-
-/// States along y and z of the section at mid-length, and its deformed outline.
-pub fn profile(assembly: &Assembly<'_>, q: &[f64]) -> Profile {
-    let (x, section, _) = mid_section(assembly.model);
+/// States along y and z of a section at x (m), and its deformed outline.
+pub fn profile(assembly: &Assembly<'_>, q: &[f64], x: f64, section: &Section) -> Profile {
     let along = |axis: usize| {
         let (from, to) = (section.inner[axis], section.outer[axis]);
         (0..PROFILE)
@@ -142,7 +136,7 @@ pub fn profile(assembly: &Assembly<'_>, q: &[f64]) -> Profile {
         .filter(|&inner| !inner || section.is_hollow())
         .map(|inner| section.outline(inner, OUTLINE))
         .collect();
-    let centre = Centre::new(assembly, x, &section).displacement(q);
+    let centre = Centre::new(assembly, x, section).displacement(q);
     let moved = |&[y, z]: &[f64; 2]| {
         let u = displacement(assembly, q, [x, y, z]);
         [u[1] - centre[1], u[2] - centre[2]]
@@ -177,14 +171,21 @@ impl Centre {
     }
 }
 
-/// Growth of the outer half extents along y and z: half the change of the distance between opposite points.
-pub fn growth(assembly: &Assembly<'_>, q: &[f64], x: f64, section: &Section) -> [f64; 2] {
+/// Growth of half extents along y and z of an element's section at x, m: half the change of the distance between
+/// opposite points.
+pub fn growth_in(
+    assembly: &Assembly<'_>,
+    q: &[f64],
+    e: &Element,
+    x: f64,
+    half_extents: [f64; 2],
+) -> [f64; 2] {
     [0, 1].map(|axis| {
-        let c = section.outer[axis];
+        let c = half_extents[axis];
         let place = |side: f64| {
             let mut point = [x, 0.0, 0.0];
             point[1 + axis] = side * c;
-            Vector3::from(point) + Vector3::from(displacement(assembly, q, point))
+            position(assembly, q, e, point).0
         };
         (place(1.0) - place(-1.0)).norm() / 2.0 - c
     })

@@ -4,13 +4,14 @@
 //! the balanced rotor at the highest speed is checked: beyond burst there is none.
 
 use super::equilibrium::{Balance, Equilibrium, NewtonSettings};
-use super::estimates::{bore_remarks, refuse_dependent, refuse_tiny_bore, slow_remark};
+use super::estimates::{refuse_dependent, refuse_tiny_bore, slow_remark};
 use super::growth::{basis_error, closed_form};
-use super::probes::{Centre, displacement, growth, largest_strain, mid_section, probe_states, profile};
+use super::probes::{Centre, displacement, element_at, growth_in, largest_strain, probe_states, profile};
 use super::remarks::Refusal;
 use super::rub::RubRecorder;
-use super::statics::{newton_summary, pinned_remark, strain_remark};
-use super::{Outcome, nonlinear_summary, quadrature_name};
+use super::stations::{Station, growth_along, headline, section_growth};
+use super::statics::{hub_remark, newton_summary, pinned_remark, strain_remark};
+use super::{Outcome, model_remarks, nonlinear_summary, quadrature_name};
 use crate::assembly::Assembly;
 use crate::drive::Drive;
 use crate::dynamics::{Dynamics, State};
@@ -52,6 +53,7 @@ pub fn refusal(model: &Model, settings: &SpinupSettings) -> Option<Refusal> {
     if settings.steady || settings.integrator != Integrator::Adams || settings.frame != Frame::Inertial {
         return None;
     }
+    let model = &model.with_drive(settings);
     let assembly = Assembly::new(model);
     let across = |node: usize| {
         let range = assembly.numbering.of_node(node);
@@ -71,18 +73,20 @@ pub fn refusal(model: &Model, settings: &SpinupSettings) -> Option<Refusal> {
 /// No equilibrium at the highest speed, an integration that fails, or a model that the frame or the integrator
 /// can't treat.
 pub fn spinup(model: &Model, settings: &SpinupSettings, watch: Watch<'_>) -> Result<Outcome<Spinup>> {
+    let model = &model.with_drive(settings);
     let drive = Drive::new(&settings.drive);
     let mut diagnostics = Vec::new();
     refuse_dependent(model)?;
     refuse_tiny_bore(model)?;
     growth_remarks(model, &mut diagnostics);
-    bore_remarks(model, &mut diagnostics);
+    hub_remark(model, &mut diagnostics);
     slow_remark(model, drive.largest_speed(), &mut diagnostics);
     refuse_beyond_burst(model, drive.largest_speed())?;
-    if settings.steady {
-        return steady(model, drive.last_speed(), diagnostics);
-    }
     let assembly = Assembly::new(model);
+    diagnostics.extend(model_remarks(model, &assembly));
+    if settings.steady {
+        return steady(&assembly, drive.last_speed(), diagnostics);
+    }
     let rest = Balance::new(&assembly, true, 0.0)?;
     pinned_remark(&rest, &mut diagnostics);
     let start = rest.solve(NEWTON, None)?;
@@ -155,16 +159,21 @@ fn run(
 }
 
 /// The equilibrium at a speed, loads and gravity left out: they turn as seen from the shaft.
-fn steady(model: &Model, speed: f64, mut diagnostics: Vec<Diagnostic>) -> Result<Outcome<Spinup>> {
-    let assembly = Assembly::new(model);
-    let balance = Balance::new(&assembly, false, speed)?;
+fn steady(
+    assembly: &Assembly<'_>,
+    speed: f64,
+    mut diagnostics: Vec<Diagnostic>,
+) -> Result<Outcome<Spinup>> {
+    let model = assembly.model;
+    let balance = Balance::new(assembly, false, speed)?;
     let state = balance.solve(NEWTON, None)?;
     if state.load_factor < 1.0 {
         return Err(no_equilibrium(speed * state.load_factor.sqrt(), speed, &state));
     }
     pinned_remark(&balance, &mut diagnostics);
     let q = balance.coordinates(&state.z);
-    let last = spin_state(&assembly, &q, None, speed);
+    let last = spin_state(assembly, &q, None, speed);
+    clear_remark(&last, &mut diagnostics);
     strain_remark(last.largest_strain, &mut diagnostics);
     let mut summary = nonlinear_summary(model, assembly.size());
     summary.modelled.push("centrifugal load, co-rotating equilibrium".to_owned());
@@ -181,6 +190,7 @@ fn steady(model: &Model, speed: f64, mut diagnostics: Vec<Diagnostic>) -> Result
     let results = Spinup {
         complete: true,
         last,
+        growth: growth_along(assembly, &q),
         extremes: None,
         history: None,
         energy: None,
@@ -248,16 +258,34 @@ fn no_equilibrium(reached: f64, speed: f64, state: &Equilibrium) -> Error {
 /// The shaft at one speed from all coordinates in the turning frame.
 fn spin_state(assembly: &Assembly<'_>, q: &[f64], time_s: Option<f64>, speed: f64) -> SpinState {
     let model = assembly.model;
-    let (x, section, material) = mid_section(model);
+    let Station { x, section, material, clearance: _ } = headline(model);
+    let mut probes = probe_states(assembly, q);
+    probes.iter_mut().for_each(|p| p.growth = Some(section_growth(assembly, q, p.at_m)));
     SpinState {
         time_s,
         speed_rad_s: speed,
         speed_rpm: speed * 30.0 / PI,
-        probes: probe_states(assembly, q),
-        profile: profile(assembly, q),
-        growth_m: growth(assembly, q, x, &section),
+        probes,
+        profile: profile(assembly, q, x, &section),
+        growth_m: section_growth(assembly, q, x).rim_m,
+        growth_at_m: x,
+        growth_is_clear: headline(model).is_clear(),
         closed_form_growth_m: closed_form(&section, &model.materials[material], speed, section.outer[0]),
         largest_strain: largest_strain(assembly, q),
+    }
+}
+
+/// Warns where no section is clear enough of hubs and joints to speak for the shaft's growth.
+fn clear_remark(state: &SpinState, diagnostics: &mut Vec<Diagnostic>) {
+    if !state.growth_is_clear {
+        diagnostics.push(Diagnostic::warning(
+            "growth-disturbed",
+            format!(
+                "no section stands two radii clear of ends, disks, supports and joints: the growth at {} m is changed by them; \
+                 results.growth has it along the whole shaft",
+                state.growth_at_m
+            ),
+        ));
     }
 }
 
@@ -325,6 +353,8 @@ struct Recorder<'a> {
     start: State,
     last: (Moment, Flows),
     centre: Centre,
+    /// Where growth is read.
+    station: Station,
     /// Time of the last point of the orbit, the shortest time to the next, and the point in the turning frame.
     drawn: (f64, f64, [f64; 2]),
     supports: Vec<(String, usize)>,
@@ -344,7 +374,8 @@ impl<'a> Recorder<'a> {
         let times = (0..=last).map(|k| settings.until * k as f64 / last as f64).collect();
         let start = dynamics.state(0.0, &begin.z, &begin.v);
         let zero = Extremes { radius_m: 0.0, radius_time_s: 0.0, torque_n_m: 0.0, torque_time_s: 0.0 };
-        let (x, section, _) = mid_section(assembly.model);
+        let middle = assembly.model.length / 2.0;
+        let here = assembly.model.sections[element_at(assembly.model, middle).section];
         let supports = assembly.model.supports.iter().map(|s| (s.path.clone(), s.node)).collect();
         let contacts = dynamics.contacts(0.0, &begin.z, &begin.v);
         let rub = || RubRecorder::new(&settings.stators, settings.until, &contacts);
@@ -357,7 +388,8 @@ impl<'a> Recorder<'a> {
             extremes: zero,
             start,
             last: (begin.clone(), Flows::default()),
-            centre: Centre::new(assembly, x, &section),
+            centre: Centre::new(assembly, middle, &here),
+            station: headline(assembly.model),
             drawn: (0.0, settings.until / ORBIT, [0.0; 2]),
             supports,
             frame: settings.frame,
@@ -425,7 +457,7 @@ impl<'a> Recorder<'a> {
     fn sample(&mut self, dynamics: &mut Dynamics<'_>, t: f64, z: &[f64], v: &[f64], a: &[f64], flows: Flows) {
         let model = self.assembly.model;
         let turn = dynamics.drive.at(t);
-        let (x, section, material) = mid_section(model);
+        let Station { x, section, material, .. } = self.station;
         let centre = self.extreme(dynamics, t, z);
         let q = dynamics.coordinates(t, z);
         let (sin, cos) = turn.angle.sin_cos();
@@ -444,10 +476,13 @@ impl<'a> Recorder<'a> {
             let [y, z] = probe.points[probe.points.len() - 1];
             let u = displacement(self.assembly, &q, [probe.x, y, z]);
             h.probes.entry(probe.name.clone()).or_default().push(u);
+            let e = element_at(model, probe.x);
+            let grown = growth_in(self.assembly, &q, e, probe.x, model.sections[e.section].outer);
+            h.probe_growth_m.entry(probe.name.clone()).or_default().push(grown);
         }
         let fixed = [centre[0], cos * centre[1] - sin * centre[2], sin * centre[1] + cos * centre[2]];
         h.mid_span_m.push(fixed);
-        h.growth_m.push(growth(self.assembly, &q, x, &section));
+        h.growth_m.push(section_growth(self.assembly, &q, x).rim_m);
         let exact = closed_form(&section, &model.materials[material], turn.speed, section.outer[0]);
         h.closed_form_growth_m.extend(exact);
         h.drive_torque_n_m.push(torque);
@@ -485,6 +520,7 @@ impl<'a> Recorder<'a> {
         let state = dynamics.state(t, &z, &v);
         let q = dynamics.coordinates(t, &z);
         let last = spin_state(self.assembly, &q, Some(t), dynamics.drive.at(t).speed);
+        clear_remark(&last, &mut diagnostics);
         strain_remark(last.largest_strain, &mut diagnostics);
         let change = energy(&state) - energy(&self.start);
         let [material, external, bearings, friction] =
@@ -513,6 +549,7 @@ impl<'a> Recorder<'a> {
         let results = Spinup {
             complete: run.complete,
             last,
+            growth: growth_along(self.assembly, &q),
             extremes: Some(self.extremes),
             history: Some(history),
             energy: Some(EnergyBalance {

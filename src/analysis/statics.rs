@@ -1,10 +1,10 @@
 //! `rotor static`: equilibrium under dead loads and gravity, with finite displacements.
 
 use super::equilibrium::{Balance, Equilibrium, NewtonSettings, dot};
-use super::estimates::{bore_remarks, refuse_dependent, refuse_tiny_bore};
+use super::estimates::{refuse_dependent, refuse_tiny_bore};
 use super::probes::{axis_displacement, largest_strain, probe_states, profile};
-use super::wall::wall_remarks;
-use super::{Outcome, nonlinear_summary};
+use super::stations::{headline, in_rigid_hub};
+use super::{Outcome, model_remarks, nonlinear_summary};
 use crate::assembly::Assembly;
 use crate::error::{Error, Result};
 use crate::forces::Workspace;
@@ -36,9 +36,7 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
     };
     let state = balance.solve(settings, None)?;
     let q = balance.coordinates(&state.z);
-    let mut diagnostics = Vec::new();
-    wall_remarks(model, &mut diagnostics);
-    bore_remarks(model, &mut diagnostics);
+    let mut diagnostics = model_remarks(model, &assembly);
     if !model.has_gravity() && !model.has_loads() {
         diagnostics
             .push(Diagnostic::warning("no-loads", "the case has no loads and no gravity: nothing moves"));
@@ -48,6 +46,8 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
             .push(Diagnostic::info("drive-ignored", "the drive of the spinup block does not act here"));
     }
     pinned_remark(&balance, &mut diagnostics);
+    hub_remark(model, &mut diagnostics);
+    let station = headline(model);
     let largest = largest_strain(&assembly, &q);
     strain_remark(largest, &mut diagnostics);
     let converged = state.load_factor == 1.0;
@@ -85,7 +85,7 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
         converged,
         load_factor: state.load_factor,
         probes: probe_states(&assembly, &q),
-        profile: profile(&assembly, &q),
+        profile: profile(&assembly, &q, station.x, &station.section),
         reactions: reactions(&balance, &state),
         strain_energy_j,
         largest_strain: largest,
@@ -103,6 +103,22 @@ pub fn newton_summary(state: &Equilibrium) -> NewtonSummary {
         iterations: state.iterations,
         residual: state.residual,
         unstable_directions: state.unstable,
+    }
+}
+
+/// Warns of probes inside rigid hubs, whose stresses are those of a constraint.
+pub fn hub_remark(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
+    let inside: Vec<&str> =
+        model.probes.iter().filter(|p| in_rigid_hub(model, p.x)).map(|p| p.name.as_str()).collect();
+    if !inside.is_empty() {
+        diagnostics.push(Diagnostic::warning(
+            "probe-in-hub",
+            format!(
+                "probes within half a radius of a rigid hub or end ({}): growth and stress there are those of the constraint; \
+                 read them clear of it, or give the disk \"hub\": \"rim\" or \"bore\"",
+                inside.join(", ")
+            ),
+        ));
     }
 }
 

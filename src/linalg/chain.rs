@@ -7,17 +7,13 @@
 //! ```
 //!
 //! What is left couples each end node with the next one: a block tridiagonal system, factorised from left to right.
-//! Matrices need not be symmetric; pivoting is partial, within a block. Contributions that reach beyond one end node
-//! (of low rank) are added by Woodbury's formula.
+//! Matrices need not be symmetric; pivoting is partial, within a block. Every further contribution acts on one end node.
 
 use crate::error::{Error, Result};
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::DenseSolveCore;
-use faer::{Accum, Mat, MatMut, MatRef, Par, Scale};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 use std::ops::Range;
-
-/// Share of the largest entry below which what a cross approximation leaves is rounding.
-const ROUNDING: f64 = 1e-14;
 
 /// Where the coordinates of a chain are, and its constraints, which hold within end nodes.
 #[derive(Debug, Clone)]
@@ -45,7 +41,7 @@ pub struct Terms<'a> {
     pub elements: Vec<Mat<f64>>,
     /// Which of them each element has.
     pub element_type: Vec<usize>,
-    /// Factor, coordinates and matrix of further contributions.
+    /// Factor, coordinates and matrix of further contributions, each on the coordinates of one end node.
     pub nodal: Vec<(f64, &'a [usize], MatRef<'a, f64>)>,
 }
 
@@ -58,7 +54,6 @@ pub struct Chain {
     /// `A_(k+1,k) inverse_k` and `inverse_k A_(k,k+1)`.
     lower: Vec<Mat<f64>>,
     upper: Vec<Mat<f64>>,
-    far: Option<Far>,
 }
 
 /// Elements with one matrix.
@@ -72,21 +67,11 @@ struct Condensed {
     elements: Vec<usize>,
 }
 
-/// `A + U V^T`: `(A + U V^T)^-1 f = y - Z (I + V^T Z)^-1 V^T y` with `y = A^-1 f`, `Z = A^-1 U`.
-struct Far {
-    /// Columns of Z.
-    z: Vec<Vec<f64>>,
-    /// Columns of V, `(coordinate, value)`.
-    v: Vec<Vec<(usize, f64)>>,
-    /// `(I + V^T Z)^-1`.
-    inner: Mat<f64>,
-}
-
 impl Chain {
     /// Factorises a matrix.
     ///
     /// # Errors
-    /// A singular matrix.
+    /// A singular matrix, or a contribution that reaches beyond one end node.
     pub fn new(layout: &Layout, terms: &Terms<'_>) -> Result<Self> {
         let mut schur = Vec::with_capacity(terms.elements.len());
         let mut condensed = Vec::with_capacity(terms.elements.len());
@@ -107,14 +92,13 @@ impl Chain {
             schur.push(s);
             condensed.push(Condensed { inverse, outward, inward, elements });
         }
-        let (diagonal, beside) = assemble(layout, &condensed, &schur, terms);
+        let (diagonal, beside) = assemble(layout, &condensed, &schur, terms)?;
         let mut chain = Self {
             layout: layout.clone(),
             condensed,
             inverse: Vec::with_capacity(diagonal.len()),
             lower: Vec::with_capacity(beside.len()),
             upper: Vec::with_capacity(beside.len()),
-            far: None,
         };
         for (k, mut block) in diagonal.into_iter().enumerate() {
             if k > 0 {
@@ -127,56 +111,11 @@ impl Chain {
             }
             chain.inverse.push(invert(&block)?);
         }
-        chain.add_far(terms)?;
         Ok(chain)
-    }
-
-    /// Takes in the contributions that reach beyond one end node.
-    fn add_far(&mut self, terms: &Terms<'_>) -> Result<()> {
-        let (mut z, mut v) = (Vec::new(), Vec::new());
-        let size = self.layout.ends.last().map_or(0, |r| r.end);
-        // contributions to the same coordinates are one, whose rank is the lower one
-        let mut sums: Vec<(&[usize], Mat<f64>)> = Vec::new();
-        for &(factor, coordinates, matrix) in &terms.nodal {
-            if end_of(&self.layout, coordinates).is_some() {
-                continue;
-            }
-            match sums.iter_mut().find(|(c, _)| *c == coordinates) {
-                Some((_, sum)) => *sum += Scale(factor) * matrix,
-                None => sums.push((coordinates, Scale(factor) * matrix)),
-            }
-        }
-        for (coordinates, sum) in &sums {
-            for [column, row] in crosses(sum) {
-                let mut f = vec![0.0; size];
-                coordinates.iter().zip(column).for_each(|(&i, value)| f[i] = value);
-                self.solve_in_place(&mut f);
-                z.push(f);
-                v.push(coordinates.iter().copied().zip(row).collect::<Vec<_>>());
-            }
-        }
-        if z.is_empty() {
-            return Ok(());
-        }
-        let inner = Mat::from_fn(z.len(), z.len(), |i, j| {
-            f64::from(i == j) + v[i].iter().map(|&(at, value)| value * z[j][at]).sum::<f64>()
-        });
-        self.far = Some(Far { z, v, inner: invert(&inner)? });
-        Ok(())
     }
 
     /// `f := T (T^T A T)^-1 T^T f` for forces on all coordinates.
     pub fn solve_in_place(&self, f: &mut [f64]) {
-        self.solve_near(f);
-        let Some(far) = &self.far else { return };
-        let felt: Vec<f64> = far.v.iter().map(|v| v.iter().map(|&(at, value)| value * f[at]).sum()).collect();
-        for (i, z) in far.z.iter().enumerate() {
-            let share: f64 = felt.iter().enumerate().map(|(j, felt)| far.inner[(i, j)] * felt).sum();
-            f.iter_mut().zip(z).for_each(|(f, z)| *f -= share * z);
-        }
-    }
-
-    fn solve_near(&self, f: &mut [f64]) {
         let layout = &self.layout;
         // interiors, with the ends at rest
         let interiors: Vec<Mat<f64>> = self
@@ -255,7 +194,7 @@ fn assemble(
     condensed: &[Condensed],
     schur: &[Mat<f64>],
     terms: &Terms<'_>,
-) -> (Vec<Mat<f64>>, Vec<[Mat<f64>; 2]>) {
+) -> Result<(Vec<Mat<f64>>, Vec<[Mat<f64>; 2]>)> {
     let size = |k: usize| layout.ends[k].len();
     let mut diagonal: Vec<Mat<f64>> = (0..layout.ends.len()).map(|k| Mat::zeros(size(k), size(k))).collect();
     let mut beside: Vec<[Mat<f64>; 2]> = (0..layout.links.len())
@@ -279,7 +218,13 @@ fn assemble(
         }
     }
     for &(factor, coordinates, matrix) in &terms.nodal {
-        let Some(k) = end_of(layout, coordinates) else { continue };
+        let k = end_of(layout, coordinates).ok_or_else(|| {
+            Error::analysis(
+                "a system matrix couples nodes that no element joins",
+                "the chain of elements with contributions of single nodes",
+                "report this with the case: the program puts no such contribution together",
+            )
+        })?;
         let start = layout.ends[k].start;
         for (j, &column) in coordinates.iter().enumerate() {
             for (i, &row) in coordinates.iter().enumerate() {
@@ -304,43 +249,13 @@ fn assemble(
             [from_right(k + 1, from_left(k, above)), from_right(k, from_left(k + 1, below))]
         })
         .collect();
-    (diagonal, beside)
+    Ok((diagonal, beside))
 }
 
 /// The end node that holds all the coordinates.
 fn end_of(layout: &Layout, coordinates: &[usize]) -> Option<usize> {
     let within = |range: &Range<usize>| coordinates.iter().all(|i| range.contains(i));
     layout.ends.iter().position(within)
-}
-
-/// A matrix of low rank as a sum of `column row^T`, by elimination with full pivoting.
-fn crosses(a: &Mat<f64>) -> Vec<[Vec<f64>; 2]> {
-    let mut rest = a.clone();
-    let smallest = ROUNDING * a.norm_max();
-    let mut list = Vec::new();
-    for _ in 0..a.nrows() {
-        let (mut at, mut largest) = ((0, 0), 0.0);
-        for j in 0..rest.ncols() {
-            for i in 0..rest.nrows() {
-                if rest[(i, j)].abs() > largest {
-                    (at, largest) = ((i, j), rest[(i, j)].abs());
-                }
-            }
-        }
-        if largest <= smallest {
-            break;
-        }
-        let pivot = rest[at];
-        let column: Vec<f64> = (0..rest.nrows()).map(|i| rest[(i, at.1)] / pivot).collect();
-        let row: Vec<f64> = (0..rest.ncols()).map(|j| rest[(at.0, j)]).collect();
-        for j in 0..rest.ncols() {
-            for i in 0..rest.nrows() {
-                rest[(i, j)] -= column[i] * row[j];
-            }
-        }
-        list.push([column, row]);
-    }
-    list
 }
 
 fn invert(a: &Mat<f64>) -> Result<Mat<f64>> {
@@ -373,7 +288,7 @@ mod tests {
     use super::*;
     use faer::linalg::solvers::Solve;
 
-    /// Three elements on end nodes of 3, 2, 3 and 2 coordinates, two kinds, a constraint and a far contribution.
+    /// Three elements on end nodes of 3, 2, 3 and 2 coordinates, two kinds, a constraint and contributions of nodes.
     #[test]
     fn chains_solve_as_dense_matrices_do() {
         let noise = |i: usize, j: usize| ((3 * i + 7 * j * j + 1) as f64).sin();
@@ -394,14 +309,11 @@ mod tests {
         let elements = vec![square(6, 1), square(6, 40)];
         let element_type = vec![0, 1, 0];
         let near = square(2, 9);
-        let u = [0.4, -0.7, 1.1];
-        let far = Mat::from_fn(3, 3, |i, j| u[i] * u[j]);
         // node 0 also needs a stiffness on the coordinate that no element has
         let alone = Mat::from_fn(1, 1, |_, _| 2.0);
         let nodal = vec![
             (0.5, &[5, 6][..], near.as_ref()),
             (1.0, &[1][..], alone.as_ref()),
-            (2.0, &[3, 6, 13][..], far.as_ref()),
         ];
         let mut dense: Mat<f64> = Mat::zeros(16, 16);
         let mut add = |coordinates: &[usize], factor: f64, a: MatRef<'_, f64>| {
@@ -429,7 +341,6 @@ mod tests {
         let reduced = expand.transpose() * &dense * &expand;
         let exact = &expand * reduced.partial_piv_lu().solve(expand.transpose() * &f);
         let chain = Chain::new(&layout, &Terms { elements, element_type, nodal }).unwrap();
-        assert_eq!(chain.far.as_ref().map(|far| far.z.len()), Some(1));
         let mut x = column(&f, 0).to_vec();
         chain.solve_in_place(&mut x);
         for (ours, exact) in x.iter().zip(column(&exact, 0)) {
@@ -438,13 +349,18 @@ mod tests {
     }
 
     #[test]
-    fn a_singular_block_is_told() {
+    fn what_it_cannot_solve_is_told() {
         let layout = Layout {
             ends: vec![0..1, 2..3],
             constraints: vec![None, None],
             links: vec![Link { ends: [vec![0], vec![0]], interior: 1..2 }],
         };
         let terms = Terms { elements: vec![Mat::zeros(3, 3)], element_type: vec![0], nodal: Vec::new() };
+        assert!(Chain::new(&layout, &terms).is_err());
+        let one = Mat::from_fn(3, 3, |i, j| f64::from(i == j));
+        let joined = Mat::from_fn(2, 2, |_, _| 1.0);
+        let nodal = vec![(1.0, &[0, 2][..], joined.as_ref())];
+        let terms = Terms { elements: vec![one], element_type: vec![0], nodal };
         assert!(Chain::new(&layout, &terms).is_err());
     }
 }

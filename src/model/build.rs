@@ -11,6 +11,7 @@ use super::{
     SectionHold, Support, SupportKind, WhirlFrame,
 };
 use crate::case::{self, Case, LoadedCase, nearest};
+use crate::instructions::Instructions;
 use crate::error::Result;
 use crate::section::{Section, Shape, Surface};
 use crate::vectors::SectionBasis;
@@ -34,7 +35,8 @@ impl Model {
         let sections = used(sections, plans.iter_mut().map(|p| &mut p.section).collect());
         let materials = used(materials, plans.iter_mut().map(|p| &mut p.material).collect());
         let length: f64 = plans.iter().map(|p| p.length).sum();
-        let mesh = input.mesh(&plans, &sections, length)?;
+        let places = input.fixed_positions(length)?;
+        let mesh = input.mesh(&plans, &sections, &places, length)?;
         let disks = input.disks(&mesh, &sections)?;
         let (supports, bearings) = input.supports(&mesh, &sections)?;
         let (loads, tractions) = input.loads(&mesh, &sections)?;
@@ -47,6 +49,7 @@ impl Model {
             loads,
             tractions,
             quadrature: input.quadrature()?,
+            instructions: Instructions::Widest,
             statics: input.statics()?,
             spinup: input.spinup(&mesh, &sections)?,
             modes: input.modes()?,
@@ -54,6 +57,7 @@ impl Model {
             materials,
             sections,
             choices,
+            snapped: snapped(&mesh, &places, length),
             elements: mesh.elements,
             nodes: mesh.nodes,
             disks,
@@ -381,16 +385,18 @@ impl Input<'_> {
     }
 
     /// Positions that force element ends, with their paths.
-    fn fixed_positions(&self, length: f64) -> Result<Vec<f64>> {
+    fn fixed_positions(&self, length: f64) -> Result<Vec<(String, f64)>> {
         let disks = self.case.disks.iter().enumerate().map(|(i, d)| (format!("disks.{i}.at"), d.at.0));
         let supports =
             self.case.supports.iter().enumerate().map(|(i, s)| (format!("supports.{i}.at"), s.at.0));
         let loads = self.case.loads.iter().enumerate();
         let loads = loads.filter_map(|(i, l)| l.at.map(|at| (format!("loads.{i}.at"), at.0)));
+        let driven = self.case.spinup.iter().filter_map(|s| s.driven_at);
+        let driven = driven.map(|at| ("spinup.driven_at".to_owned(), at.0));
         let mut list = Vec::new();
-        for (path, at) in disks.chain(supports).chain(loads) {
+        for (path, at) in disks.chain(supports).chain(loads).chain(driven) {
             self.on_shaft(&path, at, length)?;
-            list.push(at);
+            list.push((path, at));
         }
         Ok(list)
     }
@@ -402,8 +408,14 @@ impl Input<'_> {
         self.fault(path, "this place is off the shaft", format!("0 to {length} m"))
     }
 
-    fn mesh(&self, plans: &[SegmentPlan], sections: &[Section], length: f64) -> Result<Mesh> {
-        let positions = self.fixed_positions(length)?;
+    fn mesh(
+        &self,
+        plans: &[SegmentPlan],
+        sections: &[Section],
+        places: &[(String, f64)],
+        length: f64,
+    ) -> Result<Mesh> {
+        let positions: Vec<f64> = places.iter().map(|place| place.1).collect();
         let mut memory = 0.0;
         for (i, plan) in plans.iter().enumerate() {
             let pieces = plan.elements as f64 + positions.len() as f64;
@@ -856,6 +868,19 @@ impl Input<'_> {
         }
         Ok(())
     }
+}
+
+/// Places that were moved onto an element end by more than the rounding of sums, in words.
+fn snapped(mesh: &Mesh, places: &[(String, f64)], length: f64) -> Vec<String> {
+    let moved = |(path, at): &(String, f64)| {
+        let end = mesh.nodes[mesh.node_at(*at)].x;
+        ((end - at).abs() > 1e-12 * length).then(|| {
+            // without the rounding of sums
+            let written = format!("{end:.11e}").parse().unwrap_or(end);
+            format!("{path}: {at} m is taken for {written} m, the element end {:.1e} m beside it", (end - at).abs())
+        })
+    };
+    places.iter().filter_map(moved).collect()
 }
 
 /// Keeps what is referred to, in order of first use, and renumbers the references.

@@ -3,8 +3,9 @@
 use super::{Element, ElementKind, Field, Node};
 use crate::section::Section;
 
-/// Share of the shaft's length within which two positions are one.
-const SAME: f64 = 1e-9;
+/// Share of the shaft's length within which two positions are one: a place so near to the end of a segment or to another
+/// place was written with fewer digits.
+const SAME: f64 = 1e-7;
 
 /// Share of the shaft's length that a segment needs for ends of its own.
 pub const SHORTEST: f64 = 1e-8;
@@ -43,14 +44,15 @@ impl Mesh {
         let mut start = 0.0;
         for plan in plans {
             let end = start + plan.length;
+            let same = (SAME * length).min(plan.length / 4.0);
             let mut cuts: Vec<f64> = positions
                 .iter()
                 .copied()
-                .filter(|x| *x > start + SAME * length && *x < end - SAME * length)
+                .filter(|x| *x > start + same && *x < end - same)
                 .collect();
             cuts.extend([start, end]);
             cuts.sort_by(f64::total_cmp);
-            cuts.dedup_by(|a, b| *a - *b <= SAME * length);
+            cuts.dedup_by(|a, b| *a - *b <= same);
             let pieces: Vec<(f64, f64)> = cuts.windows(2).map(|c| (c[0], c[1])).collect();
             for (&(a, b), count) in pieces.iter().zip(share(&pieces, plan.elements)) {
                 for k in 0..count {
@@ -162,7 +164,7 @@ mod tests {
         let mesh = Mesh::new(&[plan(1.0, 4, 3)], &[], &[0.9], 1.0);
         assert_eq!(mesh.elements.len(), 4);
         assert!(mesh.elements.iter().any(|e| (e.x - 0.9).abs() < 1e-15));
-        let few = Mesh::new(&[plan(1.0, 1, 3)], &[], &[0.2, 0.4, 0.4 + 1e-12], 1.0);
+        let few = Mesh::new(&[plan(1.0, 1, 3)], &[], &[0.2, 0.4, 0.4 + 1e-8], 1.0);
         assert_eq!(few.elements.len(), 3);
     }
 

@@ -15,6 +15,8 @@ const VISIBLE: f64 = 0.15;
 const CIRCLE: usize = 180;
 /// Largest radius of a ring that is drawn, over that of the orbit.
 const FAR: f64 = 5.0;
+/// Share of the growth within which it is the same along y and z.
+const ROUND: f64 = 1e-6;
 /// Share of a position within which two are the same.
 const SAME: f64 = 1e-9;
 
@@ -42,14 +44,17 @@ pub fn statics(report: &Report<Static>) -> Result<Figures> {
     Ok(vec![("static.svg".to_owned(), axis), ("section.svg".to_owned(), section)])
 }
 
-/// section.svg, and for a transient spinup.svg, orbit.svg and energy.svg, with stators spinup-rub.svg.
+/// section.svg and growth.svg, and for a transient spinup.svg, orbit.svg and energy.svg, with stators spinup-rub.svg.
 ///
 /// # Errors
 /// A failure of the drawing library.
 pub fn spinup(report: &Report<Spinup>) -> Result<Figures> {
     let last = &report.results.last;
     let remarks = format!("At {:.2} rpm, seen from the turning frame.", last.speed_rpm);
-    let mut figures = vec![("section.svg".to_owned(), section(report, &last.profile, &remarks)?)];
+    let mut figures = vec![
+        ("section.svg".to_owned(), section(report, &last.profile, &remarks)?),
+        ("growth.svg".to_owned(), growth(report, &remarks)?),
+    ];
     let Some(history) = &report.results.history else { return Ok(figures) };
     figures.push(("spinup.svg".to_owned(), run(report, history)?));
     figures.push(("orbit.svg".to_owned(), orbit(report, history)?));
@@ -58,6 +63,52 @@ pub fn spinup(report: &Report<Spinup>) -> Result<Figures> {
         figures.push(("spinup-rub.svg".to_owned(), rub(report, history, summary)?));
     }
     Ok(figures)
+}
+
+/// Growth of rim and bore along the shaft.
+fn growth(report: &Report<Spinup>, remarks: &str) -> Result<String> {
+    let (last, along) = (&report.results.last, &report.results.growth);
+    let round = along.rim_m.iter().all(|[y, z]| (y - z).abs() <= ROUND * y.abs().max(z.abs()));
+    let axes: &[(usize, &str)] = if round { &[(0, "")] } else { &[(0, " along y"), (1, " along z")] };
+    let mut curves = Vec::new();
+    for (k, &(axis, words)) in axes.iter().enumerate() {
+        let rim = along.x_m.iter().zip(&along.rim_m).map(|(x, g)| (*x, g[axis])).collect();
+        curves.push(Curve { name: format!("rim{words}"), stroke: STROKES[2 * k], points: rim });
+        let mut name = format!("bore{words}");
+        for points in hollow_stretches(&along.x_m, &along.bore_m, axis) {
+            // the legend names the first stretch
+            curves.push(Curve { name: std::mem::take(&mut name), stroke: STROKES[2 * k + 1], points });
+        }
+    }
+    let at = (last.growth_at_m, last.growth_m[0]);
+    let mark = Mark { name: "section of the headline".to_owned(), marker: Marker::Disc, color: style::BLACK, at };
+    let panel = Panel {
+        across: ("Position along the shaft", "m"),
+        up: ("Growth of the radius", "m"),
+        curves,
+        marks: vec![mark],
+        ..Panel::default()
+    };
+    let remarks = format!("{remarks} Rigid hubs and rigid ends do not grow.");
+    figure(&Surroundings::new(report, "Growth along the shaft", remarks), &[panel], 1)
+}
+
+/// The growth of the bore in each stretch of the shaft that has one.
+fn hollow_stretches(x: &[f64], bore: &[Option<[f64; 2]>], axis: usize) -> Vec<Vec<Point>> {
+    let mut stretches: Vec<Vec<Point>> = Vec::new();
+    let mut inside = false;
+    for (x, bore) in x.iter().zip(bore) {
+        let Some(grown) = bore else {
+            inside = false;
+            continue;
+        };
+        if !inside {
+            stretches.push(Vec::new());
+            inside = true;
+        }
+        stretches.iter_mut().last().into_iter().for_each(|s| s.push((*x, grown[axis])));
+    }
+    stretches
 }
 
 /// Gap and forces at the stators.
@@ -105,7 +156,7 @@ fn run(report: &Report<Spinup>, h: &History) -> Result<String> {
         ),
     ];
     figure(
-        &Surroundings::new(report, "Run-up", "Growth of the section at mid-length.".to_owned()),
+        &Surroundings::new(report, "Run-up", format!("Growth of the section at {:.4} m.", report.results.last.growth_at_m)),
         &panels,
         1,
     )
@@ -127,7 +178,7 @@ fn orbit(report: &Report<Spinup>, h: &History) -> Result<String> {
         Curve { name: "axis at mid-length".to_owned(), stroke: Stroke { width: 1.2, ..STROKES[0] }, points };
     let mut curves = vec![curve];
     let reached = farthest.as_ref().map_or(0.0, radius);
-    let middle = report.results.last.profile.at_m;
+    let middle = report.results.growth.x_m.last().map_or(0.0, |length| length / 2.0);
     for stator in report.results.rub.iter().flat_map(|r| &r.stators) {
         // a ring far out would shrink the orbit to a point
         let here = (stator.at_m - middle).abs() <= SAME * middle.abs() && stator.clearance_m < FAR * reached;

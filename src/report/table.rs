@@ -243,13 +243,21 @@ pub fn statics(results: &Static) -> String {
     text
 }
 
+/// A place in metres without the digits that sums leave.
+fn short(place: f64) -> String {
+    let text = format!("{place:.6}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text.is_empty() || text == "0" && place != 0.0 { format!("{place:e}") } else { text.to_owned() }
+}
+
 /// State of the spinning shaft.
 fn spin_state(state: &SpinState) -> String {
     let [y, z] = state.growth_m;
     let mut text = format!(
-        "  {:.3} rpm{}: growth of the mid section {y:.6e} m along y, {z:.6e} m along z",
+        "  {:.3} rpm{}: growth of the section at {} m {y:.6e} m along y, {z:.6e} m along z",
         state.speed_rpm,
-        state.time_s.map_or(String::new(), |t| format!(" at t = {t:.6} s"))
+        state.time_s.map_or(String::new(), |t| format!(" at t = {t:.6} s")),
+        short(state.growth_at_m)
     );
     if let Some(exact) = state.closed_form_growth_m {
         text += &format!(" (long body with free ends: {exact:.6e} m)");
@@ -295,6 +303,11 @@ fn rub(rub: &RubSummary) -> String {
 /// Run up to speed.
 pub fn spinup(results: &Spinup) -> String {
     let mut text = spin_state(&results.last);
+    text += &format!(
+        "  largest growth of the rim along the shaft {:.6e} m at {} m\n",
+        results.growth.largest_rim_m,
+        short(results.growth.largest_rim_at_m)
+    );
     if let Some(e) = &results.extremes {
         text += &format!(
             "  largest radius of the axis at mid-length {:.6e} m at {:.4} s, largest torque {:.4e} N m at {:.4} s\n",

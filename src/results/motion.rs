@@ -7,6 +7,9 @@ use std::collections::BTreeMap;
 /// State of a material point. Tensors are listed as xx, yy, zz, xy, xz, yz.
 #[derive(Debug, Clone, Serialize)]
 pub struct PointState {
+    /// True within half a radius of a rigid hub or end: the stress there is that of the constraint, not of a part.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub in_rigid_hub: bool,
     /// Place in the undeformed section.
     pub y_m: f64,
     /// Place in the undeformed section.
@@ -52,6 +55,33 @@ pub struct ProbeState {
     /// The states along a line.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub points: Vec<PointState>,
+    /// Growth of the section that the probe stands in, of a spinning shaft.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub growth: Option<SectionGrowth>,
+}
+
+/// Growth of a section's half extents `[along y, along z]`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SectionGrowth {
+    /// Of the outline.
+    pub rim_m: [f64; 2],
+    /// Of the bore; null for a solid section.
+    pub bore_m: Option<[f64; 2]>,
+}
+
+/// Growth along the whole shaft, half extents `[along y, along z]`; at a joint of two sections x stands twice.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct GrowthAlong {
+    /// Positions along the undeformed shaft.
+    pub x_m: Vec<f64>,
+    /// Growth of the outline.
+    pub rim_m: Vec<[f64; 2]>,
+    /// Growth of the bore; null where the section is solid.
+    pub bore_m: Vec<Option<[f64; 2]>>,
+    /// Largest growth of the outline in either direction.
+    pub largest_rim_m: f64,
+    /// Where it is.
+    pub largest_rim_at_m: f64,
 }
 
 /// States along the axes of one section, for plots and reports.
@@ -80,7 +110,7 @@ pub struct Static {
     pub load_factor: f64,
     /// States at the probes.
     pub probes: Vec<ProbeState>,
-    /// The section at mid-length.
+    /// A section: the nearest to mid-length that stands two radii clear of ends, disks, supports and joints.
     pub profile: Profile,
     /// Forces of the supports.
     pub reactions: Vec<Reaction>,
@@ -132,6 +162,8 @@ pub struct Spinup {
     pub last: SpinState,
     /// Largest values met; null for the equilibrium alone.
     pub extremes: Option<Extremes>,
+    /// Growth along the shaft in that state.
+    pub growth: GrowthAlong,
     /// Values over time; null for the equilibrium alone.
     pub history: Option<History>,
     /// Energy over the whole run; null for the equilibrium alone.
@@ -156,10 +188,15 @@ pub struct SpinState {
     pub speed_rpm: f64,
     /// States at the probes.
     pub probes: Vec<ProbeState>,
-    /// The section at mid-length.
+    /// The section whose growth is `growth_m`.
     pub profile: Profile,
-    /// Growth of that section's outer half extents along y and z.
+    /// Growth of the outer half extents along y and z of one section: the nearest to mid-length that stands two radii
+    /// clear of ends, disks, supports and joints.
     pub growth_m: [f64; 2],
+    /// Where that section is.
+    pub growth_at_m: f64,
+    /// False when no section is so clear; then it is the one farthest from all of these.
+    pub growth_is_clear: bool,
     /// Growth of a long body of that section with free ends, linear elasticity; circles and tubes only.
     pub closed_form_growth_m: Option<f64>,
     /// Largest principal Green-Lagrange strain, by size.
@@ -194,8 +231,10 @@ pub struct History {
     /// The same path `[y, z]` with several points of every step, for drawing.
     #[serde(skip)]
     pub orbit_m: Vec<[f64; 2]>,
-    /// Growth of the section at mid-length along y and z of the section.
+    /// Growth along y and z of the section that `final.growth_at_m` names.
     pub growth_m: Vec<[f64; 2]>,
+    /// Growth of the outline at every probe.
+    pub probe_growth_m: BTreeMap<String, Vec<[f64; 2]>>,
     /// Growth of a long body with free ends at that speed; circles and tubes only.
     pub closed_form_growth_m: Vec<f64>,
     /// Energies.

@@ -35,8 +35,8 @@ pub fn case(stem: &str) -> LoadedCase {
     Case::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// A case of tests/fieldtest by its stem: rotors that once showed a fault.
-pub fn field_case(stem: &str) -> LoadedCase {
+/// A rotor from outside, kept in tests/fieldtest/, by its stem.
+pub fn fieldtest(stem: &str) -> LoadedCase {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fieldtest").join(format!("{stem}.json"));
     Case::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"))
 }

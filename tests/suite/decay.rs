@@ -1,6 +1,6 @@
 //! Motions that do not oscillate, motions that grow, and the speed at which they begin to.
 
-use crate::common::{field_case, model, shaft, with};
+use crate::common::{fieldtest, model, shaft, with};
 use rotor::case::LoadedCase;
 use rotor::results::{Branch, Campbell, Diagnostic, Whirl};
 use serde_json::{Value, json};
@@ -26,7 +26,7 @@ fn named<'a>(found: &'a Campbell, name: &str) -> &'a Branch {
 /// is the second pair (Timoshenko beams).
 #[test]
 fn an_overdamped_first_bending_is_told_and_counted() {
-    let (found, _) = run(&field_case("overdamped_middle"));
+    let (found, _) = run(&fieldtest("overdamped_middle"));
     let names: Vec<&str> = found.branches.iter().map(|b| b.name.as_str()).collect();
     assert_eq!(names, ["1B", "1F", "2B", "2F"]);
     for name in ["1B", "1F"] {

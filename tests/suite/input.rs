@@ -363,6 +363,7 @@ fn defaults_of_the_nonlinear_analyses() {
         max_steps: 1_000_000,
         output: 201,
         steady: false,
+        driven_node: None,
         stators: Vec::new(),
     };
     assert_eq!(model.spinup, Some(expected));
@@ -489,7 +490,7 @@ fn bad_files_on_the_command_line() {
 fn the_schema_knows_the_keys_of_the_nonlinear_analyses() {
     let schema = rotor::case::schema().to_string();
     let keys = "quadrature axial section static load_steps max_iterations tolerance spinup drive until frame \
-                integrator rtol atol rho_infinity step max_steps output steady generalized-alpha stators clearance friction";
+                integrator rtol atol rho_infinity step max_steps output steady driven_at generalized-alpha stators clearance friction";
     for key in keys.split_whitespace() {
         assert!(schema.contains(&format!("\"{key}\"")), "{key}");
     }

@@ -6,6 +6,7 @@ use rotor::analysis::statics::statics;
 use rotor::element::ElementMatrices;
 use rotor::element::lanes::Scratch;
 use rotor::element::nonlinear::NonlinearElement;
+use rotor::instructions::Instructions;
 use rotor::model::{ElementKind, Law, Material, Quadrature};
 use rotor::results::Static;
 use rotor::section::Section;
@@ -176,9 +177,8 @@ fn kelvin_voigt_forces_dissipate_and_ignore_rotation() {
 
 #[test]
 fn vector_instructions_of_all_widths_agree() {
-    let mut narrow = vec![pulp::Arch::Scalar];
-    #[cfg(target_arch = "x86_64")]
-    narrow.extend(pulp::x86::V3::try_new().map(pulp::Arch::V3));
+    let narrow: Vec<Instructions> =
+        Instructions::NAMED.into_iter().filter(|set| set.are_available()).collect();
     for (name, kind, section, quadrature) in elements() {
         let widest = element(kind, &section, quadrature);
         let (q, n) = (deformed(kind), widest.size());
@@ -194,12 +194,12 @@ fn vector_instructions_of_all_widths_agree() {
             results
         };
         let expected = all(&widest);
-        for &arch in &narrow {
-            for (ours, expected) in all(&widest.clone().with_instructions(arch)).iter().zip(&expected) {
+        for &set in &narrow {
+            for (ours, expected) in all(&widest.clone().with_instructions(set)).iter().zip(&expected) {
                 let scale = largest(expected);
                 assert!(
                     ours.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12 * scale),
-                    "{name} {arch:?}"
+                    "{name} {set:?}"
                 );
             }
         }

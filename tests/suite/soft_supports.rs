@@ -1,6 +1,6 @@
 //! Shafts on springs many decades softer than themselves: every rigid motion once, with the digits of the closed form.
 
-use crate::common::{campbell, field_case, model, shaft, with};
+use crate::common::{campbell, fieldtest, model, shaft, with};
 use rotor::results::{Campbell, Level};
 use serde_json::json;
 use std::f64::consts::PI;
@@ -32,7 +32,7 @@ fn failed(case: &rotor::case::LoadedCase) -> (Campbell, Vec<String>) {
 /// shaft's own give, k L^3/(E I), is below the digits asked for), in both forms.
 #[test]
 fn springs_of_any_softness_have_the_criticals_of_the_rigid_rotor() {
-    let case = field_case("soft_springs_1");
+    let case = fieldtest("soft_springs_1");
     for form in ["classical", "consistent"] {
         for k in [1e-3, 1e-1, 1.0, 10.0, 1e4] {
             let law = json!([[k, 0], [0, k]]);
@@ -80,7 +80,7 @@ fn springs_of_any_softness_have_the_criticals_of_the_rigid_rotor() {
 /// free shaft, each to a residual of rounding.
 #[test]
 fn modes_on_soft_springs_are_those_of_the_rigid_rotor() {
-    let case = field_case("soft_springs_1");
+    let case = fieldtest("soft_springs_1");
     for k in [1e-3, 1.0, 1e4] {
         let law = json!([[k, 0], [0, k]]);
         let model = model(&with(&case, json!({ "supports.0.stiffness": law, "supports.1.stiffness": law })));
@@ -102,7 +102,7 @@ fn modes_on_soft_springs_are_those_of_the_rigid_rotor() {
 /// A rotor with three disks on three springs of 1 N/m: modes and Campbell diagram without an error.
 #[test]
 fn a_rotor_in_magnetic_bearings_is_solved() {
-    let case = field_case("soft_magnetic_bearings");
+    let case = fieldtest("soft_magnetic_bearings");
     let outcome = rotor::analysis::modes::modes(&model(&case)).unwrap_or_else(|e| panic!("{e}"));
     assert!(outcome.diagnostics.iter().all(|d| d.level == Level::Info), "{:?}", outcome.diagnostics);
     let (found, bad) = failed(&case);
@@ -162,7 +162,7 @@ fn campbell_free(case: &rotor::case::LoadedCase) -> f64 {
 /// The sweep's lowest branches on soft springs have one forward and one backward whirl each.
 #[test]
 fn branches_on_soft_springs_come_in_pairs() {
-    let found = campbell(&field_case("soft_springs_1"));
+    let found = campbell(&fieldtest("soft_springs_1"));
     let names: Vec<&str> = found.branches.iter().map(|b| b.name.as_str()).collect();
     assert_eq!(names, ["1B", "1F", "2B", "2F", "3B", "3F", "4B", "4F"]);
 }

@@ -1,6 +1,6 @@
 //! The sense of whirl belongs to a speed: what travels which way, what branches are called, how they are drawn.
 
-use crate::common::{campbell, field_case, model, shaft, with};
+use crate::common::{campbell, fieldtest, model, shaft, with};
 use rotor::results::{Branch, Campbell, ModeKind, Whirl};
 use serde_json::json;
 
@@ -12,7 +12,7 @@ fn names(found: &Campbell) -> Vec<String> {
 /// +0.45 (Timoshenko beams).
 #[test]
 fn a_branch_changes_its_sense_after_a_veering() {
-    let case = field_case("whirl_after_veering");
+    let case = fieldtest("whirl_after_veering");
     let found = campbell(&case);
     let last = found.speeds_rad_s.len() - 1;
     let at = |b: &&Branch| (b.frequency_rad_s[last].expect("a frequency") - 488.0).abs() < 2.0;
@@ -34,7 +34,7 @@ fn a_branch_changes_its_sense_after_a_veering() {
 /// Where the sweep begins and ends has no say in the names.
 #[test]
 fn names_do_not_depend_on_the_sweep() {
-    let case = field_case("whirl_after_veering");
+    let case = fieldtest("whirl_after_veering");
     let whole = names(&campbell(&case));
     assert_eq!(whole[..6], ["1B", "1F", "2B", "2F", "3B", "3F"]);
     for speeds in [

@@ -26,6 +26,7 @@ use crate::vectors::exponents;
 use force::Force;
 use nalgebra::Matrix3;
 use polynomials::{Class, count, place_on_grid};
+use crate::instructions::Instructions;
 use pulp::{Arch, Simd};
 use tangent::{Tables, Tangent};
 
@@ -156,13 +157,13 @@ impl NonlinearElement {
             classes,
             stations,
             viscosity: material.stiffness_damping,
-            arch: Arch::new(),
+            arch: Instructions::Widest.arch().unwrap_or(Arch::Scalar),
         }
     }
 
-    /// Computes with the given vector instructions instead of the widest of the machine.
-    pub fn with_instructions(mut self, arch: Arch) -> Self {
-        self.arch = arch;
+    /// Computes with other vector instructions; those it had stay on a processor without the ones asked for.
+    pub fn with_instructions(mut self, instructions: Instructions) -> Self {
+        self.arch = instructions.arch().unwrap_or(self.arch);
         self
     }
 

@@ -25,6 +25,7 @@ use crate::model::{ElementKind, Material, Quadrature};
 use crate::section::Section;
 use crate::vectors::{SectionBasis, ring_functions};
 use force::Force;
+use crate::instructions::Instructions;
 use pulp::{Arch, Simd};
 use std::f64::consts::PI;
 use tangent::{Tables, Tangent};
@@ -176,8 +177,14 @@ impl RingElement {
             law,
             moments,
             stations,
-            arch: Arch::new(),
+            arch: Instructions::Widest.arch().unwrap_or(Arch::Scalar),
         })
+    }
+
+    /// Computes with other vector instructions; those it had stay on a processor without the ones asked for.
+    pub fn with_instructions(mut self, instructions: Instructions) -> Self {
+        self.arch = instructions.arch().unwrap_or(self.arch);
+        self
     }
 
     /// Kelvin-Voigt factor beta of the material, s.

@@ -71,7 +71,10 @@ impl Input<'_> {
             drive.push(Phase { until, speed });
             before = until;
         }
-        self.turning(&drive)?;
+        let driven_node = self.driven_node(s, mesh)?;
+        if driven_node.is_none() {
+            self.turning(&drive)?;
+        }
         let until = self.positive(&at("until"), s.until.map_or(before, |t| t.0))?;
         self.within(&at("until"), until, 1e-12, LONGEST)?;
         for (key, tolerance) in [("rtol", s.rtol), ("atol", s.atol)] {
@@ -121,8 +124,23 @@ impl Input<'_> {
             max_steps: s.max_steps as usize,
             output: s.output as usize,
             steady: s.steady,
+            driven_node,
             stators: self.stators(s, mesh, sections)?,
         }))
+    }
+
+    /// The node whose section the drive turns; it was given an element end.
+    fn driven_node(&self, s: &case::Spinup, mesh: &Mesh) -> Result<Option<usize>> {
+        let Some(at) = s.driven_at else { return Ok(None) };
+        let holds = |s: &case::Support| turns(s) || s.kind == Some(case::SupportKind::Clamped);
+        if let Some(i) = self.case.supports.iter().position(holds) {
+            return self.fault(
+                "spinup.driven_at",
+                format!("supports.{i} turns the shaft already, or keeps it from turning"),
+                "one drive: \"driven\": false on revolute and cylindrical supports, or no driven_at",
+            );
+        }
+        Ok(Some(mesh.node_at(at.0)))
     }
 
     fn stators(&self, s: &case::Spinup, mesh: &Mesh, sections: &[Section]) -> Result<Vec<Stator>> {
@@ -181,21 +199,27 @@ impl Input<'_> {
                 "\"revolute\" or \"cylindrical\", which turn with it",
             );
         }
-        let turned = self.case.supports.iter().any(|s| match s.kind {
-            Some(case::SupportKind::Revolute | case::SupportKind::Cylindrical) => s.driven != Some(false),
-            Some(_) => false,
-            // fixed components turn with the drive when they hold the rotation
-            None => {
-                s.fix.iter().flatten().any(|name| matches!(name.as_str(), "all" | "y" | "z" | "y.z" | "z.y"))
-            }
-        });
-        if turned {
+        if self.case.supports.iter().any(turns) {
             return Ok(());
         }
         self.fault(
             "spinup.drive",
             "no support turns the shaft: the drive has a speed but no driven end",
-            "a revolute or cylindrical support that is driven (\"driven\": true is the default), or speed 0",
+            "\"driven_at\": the position of a section that the drive turns and holds in no other way, as a coupling turns a \
+             rotor on bearings; or a revolute or cylindrical end that is driven; or speed 0",
         )
+    }
+}
+
+/// Whether the rotation of a support's section follows the drive.
+fn turns(support: &case::Support) -> bool {
+    match support.kind {
+        Some(case::SupportKind::Revolute | case::SupportKind::Cylindrical) => support.driven != Some(false),
+        Some(_) => false,
+        // fixed components turn with the drive when they hold the rotation
+        None => {
+            let names = support.fix.iter().flatten();
+            names.into_iter().any(|name| matches!(name.as_str(), "all" | "y" | "z" | "y.z" | "z.y"))
+        }
     }
 }

@@ -1,0 +1,161 @@
+//! Where growth and stresses of a section are read: along the whole shaft, and at one section clear of what holds or
+//! stiffens the shaft nearby.
+//!
+//! A hub, a support, a joint of unlike sections or a free end changes the growth of a section within about two of its
+//! radii (axisymmetric end effects of a solid decay as `exp(-2.7 x / R)`).
+
+use super::probes::{element_at, growth_in};
+use crate::assembly::Assembly;
+use crate::model::{Element, Hub, Model, SectionHold, SupportKind};
+use crate::results::{GrowthAlong, SectionGrowth};
+use crate::section::Section;
+
+/// Distance from a disturbance, over the radius, from which a section counts as clear of it.
+const CLEAR: f64 = 2.0;
+/// Distance from a rigid hub, over the radius, within which a section is held by it.
+const HELD: f64 = 0.5;
+/// Stations of the growth along an element, its right end left out.
+const STATIONS: usize = 4;
+/// Share of the shaft's length within which two places are one.
+const SAME: f64 = 1e-9;
+
+/// A section of the shaft.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Station {
+    /// Position along the undeformed shaft, m.
+    pub x: f64,
+    /// The section there.
+    pub section: Section,
+    /// Index of its material.
+    pub material: usize,
+    /// Distance to the nearest disturbance over the outer radius.
+    pub clearance: f64,
+}
+
+impl Station {
+    /// True when nothing nearby changes the section's growth.
+    pub fn is_clear(&self) -> bool {
+        self.clearance >= CLEAR * (1.0 - SAME)
+    }
+}
+
+/// The section nearest to mid-length that is clear of disturbances; where none is, the one farthest from them.
+pub fn headline(model: &Model) -> Station {
+    let places = disturbances(model);
+    let middle = model.length / 2.0;
+    let station = |x: f64| {
+        let e = element_at(model, x);
+        let section = model.sections[e.section];
+        let nearest = places.iter().map(|p| (p - x).abs()).fold(f64::INFINITY, f64::min);
+        Station { x, section, material: e.material, clearance: nearest / section.outer_size() }
+    };
+    let inner = model.elements.iter().flat_map(|e| [e.x, e.x + e.length / 2.0]);
+    // within rounding, the left one of two that are alike
+    let better = |a: &Station, b: &Station| {
+        let (near_a, near_b) = ((a.x - middle).abs(), (b.x - middle).abs());
+        match (a.is_clear(), b.is_clear()) {
+            (true, true) => near_a < near_b - SAME * model.length,
+            (false, false) => a.clearance > b.clearance * (1.0 + SAME),
+            (clear, _) => clear,
+        }
+    };
+    let start = station(middle);
+    inner.map(station).fold(start, |best, next| if better(&next, &best) { next } else { best })
+}
+
+/// Positions of ends, joints of unlike elements, disks and supports, m.
+fn disturbances(model: &Model) -> Vec<f64> {
+    let mut places = vec![0.0, model.length];
+    let unlike = |a: &Element, b: &Element| {
+        (a.section, a.material, a.kind) != (b.section, b.material, b.kind)
+    };
+    places.extend(model.elements.windows(2).filter(|w| unlike(&w[0], &w[1])).map(|w| w[1].x));
+    places.extend(model.disks.iter().map(|d| model.nodes[d.node].x));
+    let held = model.supports.iter().filter(|s| s.kind != SupportKind::Turned);
+    places.extend(held.map(|s| model.nodes[s.node].x));
+    places
+}
+
+/// True where a rigid hub or end keeps the section from deforming: stresses there are those of its constraint.
+pub fn in_rigid_hub(model: &Model, x: f64) -> bool {
+    let disks = model.disks.iter().filter(|d| d.hub == Hub::Rigid).map(|d| d.node);
+    let rigid = |kind: &SupportKind| {
+        matches!(
+            kind,
+            SupportKind::Clamped(SectionHold::Rigid)
+                | SupportKind::Revolute { hold: SectionHold::Rigid, .. }
+                | SupportKind::Cylindrical { hold: SectionHold::Rigid, .. }
+        )
+    };
+    let supports = model.supports.iter().filter(|s| rigid(&s.kind)).map(|s| s.node);
+    let radius = model.sections[element_at(model, x).section].outer_size();
+    disks.chain(supports).any(|node| (model.nodes[node].x - x).abs() <= HELD * radius)
+}
+
+/// Growth of rim and bore of the section at x.
+pub fn section_growth(assembly: &Assembly<'_>, q: &[f64], x: f64) -> SectionGrowth {
+    let e = element_at(assembly.model, x);
+    let section = &assembly.model.sections[e.section];
+    let bore = section.is_hollow().then(|| growth_in(assembly, q, e, x, section.inner));
+    SectionGrowth { rim_m: growth_in(assembly, q, e, x, section.outer), bore_m: bore }
+}
+
+/// Growth along the whole shaft; at a joint of two sections both of them, from left to right.
+pub fn growth_along(assembly: &Assembly<'_>, q: &[f64]) -> GrowthAlong {
+    let model = assembly.model;
+    let mut along = GrowthAlong::default();
+    for (i, e) in model.elements.iter().enumerate() {
+        let section = &model.sections[e.section];
+        let joint = model.elements.get(i + 1).is_none_or(|next| next.section != e.section);
+        for k in 0..STATIONS + usize::from(joint) {
+            let x = e.x + e.length * k as f64 / STATIONS as f64;
+            along.x_m.push(x);
+            along.rim_m.push(growth_in(assembly, q, e, x, section.outer));
+            let bore = section.is_hollow().then(|| growth_in(assembly, q, e, x, section.inner));
+            along.bore_m.push(bore);
+        }
+    }
+    let size = |k: &usize| along.rim_m[*k].iter().fold(f64::MIN, |m: f64, g| m.max(*g));
+    // the first of those alike
+    let largest = (0..along.x_m.len()).reduce(|a, b| if size(&b) > size(&a) + SAME * size(&a).abs() { b } else { a });
+    if let Some(k) = largest {
+        (along.largest_rim_m, along.largest_rim_at_m) = (size(&k), along.x_m[k]);
+    }
+    along
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::case::LoadedCase;
+    use serde_json::json;
+
+    fn model(disks: serde_json::Value) -> Model {
+        let case = json!({
+            "title": "shaft",
+            "materials": { "m": { "E": 2e11, "nu": 0.3, "rho": 7800 } },
+            "sections": { "s": { "shape": "circle", "radius": 0.1 } },
+            "shaft": { "segments": [{ "length": 2.0, "elements": 8, "section": "s", "material": "m" }] },
+            "supports": [{ "at": 0, "kind": "revolute" }, { "at": 2, "kind": "cylindrical" }],
+            "disks": disks
+        });
+        Model::new(&LoadedCase::from_value("shaft.json", case).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn the_headline_is_mid_length_unless_a_disk_is_there() {
+        let disk = |at: f64| json!({ "at": at, "mass": 1, "polar_inertia": 0.02, "diametral_inertia": 0.01 });
+        let free = headline(&model(json!([])));
+        assert!(free.x == 1.0 && free.is_clear());
+        let beside = headline(&model(json!([disk(1.0)])));
+        assert!((beside.x - 0.75).abs() < 1e-12 && beside.is_clear(), "{beside:?}");
+        let crowded = headline(&model(json!((1..8).map(|k| disk(0.25 * f64::from(k))).collect::<Vec<_>>())));
+        assert!(!crowded.is_clear() && (crowded.clearance - 1.25).abs() < 1e-9, "{crowded:?}");
+    }
+
+    #[test]
+    fn a_rigid_hub_holds_the_section_beside_it() {
+        let model = model(json!([{ "at": 1.0, "mass": 1, "polar_inertia": 0.02, "diametral_inertia": 0.01 }]));
+        assert!(in_rigid_hub(&model, 1.0) && in_rigid_hub(&model, 1.04) && !in_rigid_hub(&model, 1.2));
+    }
+}
