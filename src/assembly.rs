@@ -262,7 +262,10 @@ impl<'a> Assembly<'a> {
 
     /// Stiffness of shaft and hubs about the undeformed state, without bearings.
     pub fn elastic_parts(&self) -> Parts {
-        self.parts(Some(&|_, m| m.stiffness.clone()), support::Hubs::new(self.model, &self.numbering).stiffness())
+        self.parts(
+            Some(&|_, m| m.stiffness.clone()),
+            support::Hubs::new(self.model, &self.numbering).stiffness(),
+        )
     }
 
     /// Stiffness and damping of the bearings averaged over the directions, as a turning section feels them in the mean.

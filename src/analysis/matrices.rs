@@ -49,7 +49,12 @@ pub fn matrices(model: &Model) -> (Vec<Row>, Vec<PhysicalMatrix>) {
             .filter(|&d| model.disks[d].node == node && assembly.numbering.normal(d).is_some())
         {
             for component in ["x", "y", "z"] {
-                rows.push(Row { node: node + 1, x_m: at.x, vector: format!("normal{}", disk + 1), component });
+                rows.push(Row {
+                    node: node + 1,
+                    x_m: at.x,
+                    vector: format!("normal{}", disk + 1),
+                    component,
+                });
                 scale.push(model.reference_length);
             }
         }

@@ -9,8 +9,8 @@ use super::growth::{basis_error, closed_form};
 use super::probes::{Centre, displacement, element_at, growth_in, largest_strain, probe_states, profile};
 use super::remarks::Refusal;
 use super::rub::RubRecorder;
-use super::stations::{Station, growth_along, headline, section_growth};
 use super::statics::{hub_remark, newton_summary, pinned_remark, strain_remark};
+use super::stations::{Station, growth_along, headline, section_growth};
 use super::{Outcome, model_remarks, nonlinear_summary, quadrature_name};
 use crate::assembly::Assembly;
 use crate::drive::Drive;
@@ -159,11 +159,7 @@ fn run(
 }
 
 /// The equilibrium at a speed, loads and gravity left out: they turn as seen from the shaft.
-fn steady(
-    assembly: &Assembly<'_>,
-    speed: f64,
-    mut diagnostics: Vec<Diagnostic>,
-) -> Result<Outcome<Spinup>> {
+fn steady(assembly: &Assembly<'_>, speed: f64, mut diagnostics: Vec<Diagnostic>) -> Result<Outcome<Spinup>> {
     let model = assembly.model;
     let balance = Balance::new(assembly, false, speed)?;
     let state = balance.solve(NEWTON, None)?;

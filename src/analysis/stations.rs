@@ -66,9 +66,8 @@ pub fn headline(model: &Model) -> Station {
 /// Positions of ends, joints of unlike elements, disks and supports, m.
 fn disturbances(model: &Model) -> Vec<f64> {
     let mut places = vec![0.0, model.length];
-    let unlike = |a: &Element, b: &Element| {
-        (a.section, a.material, a.kind) != (b.section, b.material, b.kind)
-    };
+    let unlike =
+        |a: &Element, b: &Element| (a.section, a.material, a.kind) != (b.section, b.material, b.kind);
     places.extend(model.elements.windows(2).filter(|w| unlike(&w[0], &w[1])).map(|w| w[1].x));
     places.extend(model.disks.iter().map(|d| model.nodes[d.node].x));
     let held = model.supports.iter().filter(|s| s.kind != SupportKind::Turned);
@@ -117,7 +116,8 @@ pub fn growth_along(assembly: &Assembly<'_>, q: &[f64]) -> GrowthAlong {
     }
     let size = |k: &usize| along.rim_m[*k].iter().fold(f64::MIN, |m: f64, g| m.max(*g));
     // the first of those alike
-    let largest = (0..along.x_m.len()).reduce(|a, b| if size(&b) > size(&a) + SAME * size(&a).abs() { b } else { a });
+    let largest =
+        (0..along.x_m.len()).reduce(|a, b| if size(&b) > size(&a) + SAME * size(&a).abs() { b } else { a });
     if let Some(k) = largest {
         (along.largest_rim_m, along.largest_rim_at_m) = (size(&k), along.x_m[k]);
     }
@@ -155,7 +155,8 @@ mod tests {
 
     #[test]
     fn a_rigid_hub_holds_the_section_beside_it() {
-        let model = model(json!([{ "at": 1.0, "mass": 1, "polar_inertia": 0.02, "diametral_inertia": 0.01 }]));
+        let model =
+            model(json!([{ "at": 1.0, "mass": 1, "polar_inertia": 0.02, "diametral_inertia": 0.01 }]));
         assert!(in_rigid_hub(&model, 1.0) && in_rigid_hub(&model, 1.04) && !in_rigid_hub(&model, 1.2));
     }
 }

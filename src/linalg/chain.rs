@@ -311,10 +311,7 @@ mod tests {
         let near = square(2, 9);
         // node 0 also needs a stiffness on the coordinate that no element has
         let alone = Mat::from_fn(1, 1, |_, _| 2.0);
-        let nodal = vec![
-            (0.5, &[5, 6][..], near.as_ref()),
-            (1.0, &[1][..], alone.as_ref()),
-        ];
+        let nodal = vec![(0.5, &[5, 6][..], near.as_ref()), (1.0, &[1][..], alone.as_ref())];
         let mut dense: Mat<f64> = Mat::zeros(16, 16);
         let mut add = |coordinates: &[usize], factor: f64, a: MatRef<'_, f64>| {
             for (j, &column) in coordinates.iter().enumerate() {

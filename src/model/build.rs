@@ -11,8 +11,8 @@ use super::{
     SectionHold, Support, SupportKind, WhirlFrame,
 };
 use crate::case::{self, Case, LoadedCase, nearest};
-use crate::instructions::Instructions;
 use crate::error::Result;
+use crate::instructions::Instructions;
 use crate::section::{Section, Shape, Surface};
 use crate::vectors::SectionBasis;
 use std::f64::consts::PI;
@@ -877,7 +877,10 @@ fn snapped(mesh: &Mesh, places: &[(String, f64)], length: f64) -> Vec<String> {
         ((end - at).abs() > 1e-12 * length).then(|| {
             // without the rounding of sums
             let written = format!("{end:.11e}").parse().unwrap_or(end);
-            format!("{path}: {at} m is taken for {written} m, the element end {:.1e} m beside it", (end - at).abs())
+            format!(
+                "{path}: {at} m is taken for {written} m, the element end {:.1e} m beside it",
+                (end - at).abs()
+            )
         })
     };
     places.iter().filter_map(moved).collect()

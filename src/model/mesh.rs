@@ -45,11 +45,8 @@ impl Mesh {
         for plan in plans {
             let end = start + plan.length;
             let same = (SAME * length).min(plan.length / 4.0);
-            let mut cuts: Vec<f64> = positions
-                .iter()
-                .copied()
-                .filter(|x| *x > start + same && *x < end - same)
-                .collect();
+            let mut cuts: Vec<f64> =
+                positions.iter().copied().filter(|x| *x > start + same && *x < end - same).collect();
             cuts.extend([start, end]);
             cuts.sort_by(f64::total_cmp);
             cuts.dedup_by(|a, b| *a - *b <= same);

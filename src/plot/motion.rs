@@ -81,7 +81,8 @@ fn growth(report: &Report<Spinup>, remarks: &str) -> Result<String> {
         }
     }
     let at = (last.growth_at_m, last.growth_m[0]);
-    let mark = Mark { name: "section of the headline".to_owned(), marker: Marker::Disc, color: style::BLACK, at };
+    let mark =
+        Mark { name: "section of the headline".to_owned(), marker: Marker::Disc, color: style::BLACK, at };
     let panel = Panel {
         across: ("Position along the shaft", "m"),
         up: ("Growth of the radius", "m"),
@@ -156,7 +157,11 @@ fn run(report: &Report<Spinup>, h: &History) -> Result<String> {
         ),
     ];
     figure(
-        &Surroundings::new(report, "Run-up", format!("Growth of the section at {:.4} m.", report.results.last.growth_at_m)),
+        &Surroundings::new(
+            report,
+            "Run-up",
+            format!("Growth of the section at {:.4} m.", report.results.last.growth_at_m),
+        ),
         &panels,
         1,
     )

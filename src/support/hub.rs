@@ -11,7 +11,7 @@
 //! mass of the normal is constant, so that the equations keep their form in every frame. Source: docs/theory.md section 6.
 
 use super::{Contribution, Numbering, affine_rows, elements_at};
-use crate::model::{ActsOn, Hub, Model, SupportKind, SectionHold};
+use crate::model::{ActsOn, Hub, Model, SectionHold, SupportKind};
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 
@@ -123,16 +123,14 @@ impl Hubs {
 impl Triad {
     /// `R n`, `R r_,y`, `R r_,z` for coordinates q; zero for a normal that does not exist.
     fn vectors(&self, q: &[f64]) -> [Vector3<f64>; 3] {
-        [0, 1, 2].map(|k| {
-            self.rows[k].iter().map(|&(at, w)| Vector3::new(q[at], q[at + 1], q[at + 2]) * w).sum()
-        })
+        [0, 1, 2]
+            .map(|k| self.rows[k].iter().map(|&(at, w)| Vector3::new(q[at], q[at + 1], q[at + 2]) * w).sum())
     }
 
     /// Energy, and `S_ab = k_ab E_ab`.
     fn stresses(&self, vectors: &[Vector3<f64>; 3]) -> (f64, Matrix3<f64>) {
-        let strain = Matrix3::from_fn(|i, j| {
-            (vectors[i].dot(&vectors[j]) - f64::from(u8::from(i == j))) / 2.0
-        });
+        let strain =
+            Matrix3::from_fn(|i, j| (vectors[i].dot(&vectors[j]) - f64::from(u8::from(i == j))) / 2.0);
         let stress = self.moduli.component_mul(&strain);
         (stress.component_mul(&strain).sum() / 2.0, stress)
     }

@@ -78,7 +78,8 @@ fn disks_at_free_ends() {
 #[test]
 fn thickness_acts_alike_on_a_stepped_rotor() {
     let thick = fieldtest("turbocharger");
-    let thin = with(&thick, json!({ "disks.0.diametral_inertia": 1.6e-5, "disks.1.diametral_inertia": 2.95e-5 }));
+    let thin =
+        with(&thick, json!({ "disks.0.diametral_inertia": 1.6e-5, "disks.1.diametral_inertia": 2.95e-5 }));
     let bending = |case| -> Vec<f64> {
         let list = of_kind(case, ModeKind::Bending);
         list.into_iter().filter(|w| *w > 0.0).step_by(2).collect()
@@ -201,7 +202,10 @@ fn a_thick_disk_has_its_gyroscopic_critical_in_both_frames() {
         let found: Vec<f64> = campbell(&case).critical_speeds.iter().map(|c| c.speed_rad_s).collect();
         let wanted = if frame == "stationary" { &right[..] } else { &right[1..] };
         for right in wanted {
-            assert!(found.iter().any(|w| (w / right - 1.0).abs() < 1e-3), "{frame}: {right} not in {found:?}");
+            assert!(
+                found.iter().any(|w| (w / right - 1.0).abs() < 1e-3),
+                "{frame}: {right} not in {found:?}"
+            );
         }
     }
 }

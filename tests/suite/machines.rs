@@ -16,8 +16,23 @@ const UNITS: u64 = 4;
 
 /// Keys of counts, which are no measured quantities.
 const COUNTS: [&str; 17] = [
-    "elements", "count", "modes", "points", "output", "max_steps", "max_iterations", "load_steps", "repeats", "orders",
-    "segments", "reduction", "axial", "section", "n", "circumferential_order", "tolerance",
+    "elements",
+    "count",
+    "modes",
+    "points",
+    "output",
+    "max_steps",
+    "max_iterations",
+    "load_steps",
+    "repeats",
+    "orders",
+    "segments",
+    "reduction",
+    "axial",
+    "section",
+    "n",
+    "circumferential_order",
+    "tolerance",
 ];
 
 /// Numbers between 0 and n in an order that a seed fixes (Knuth's multiplicative generator).
@@ -77,7 +92,15 @@ fn shaken(case: &LoadedCase, seed: u64) -> LoadedCase {
 
 /// What rounding may change in a report: numbers, and how an iteration went.
 const PATHS: [&str; 9] = [
-    "newton", "integrator", "message", "sha256", "case", "gap_checks", "contact_evaluations", "solver", "events",
+    "newton",
+    "integrator",
+    "message",
+    "sha256",
+    "case",
+    "gap_checks",
+    "contact_evaluations",
+    "solver",
+    "events",
 ];
 
 /// Fails where words, labels, counts or codes differ.
@@ -97,7 +120,8 @@ fn same_words(path: &str, a: &Value, b: &Value) {
         (Value::Number(_), Value::Number(_)) => {}
         // sentences carry numbers: what stands before the first digit is compared
         (Value::String(a), Value::String(b)) => {
-            let words = |text: &str| text.split(|c: char| c.is_ascii_digit()).next().unwrap_or_default().to_owned();
+            let words =
+                |text: &str| text.split(|c: char| c.is_ascii_digit()).next().unwrap_or_default().to_owned();
             assert_eq!(words(a), words(b), "{path}");
         }
         _ => assert_eq!(a, b, "{path}"),
@@ -121,7 +145,11 @@ fn words_survive_rounding_of_the_inputs() {
             };
             if wanted {
                 let what = format!("{} {}", path.display(), analysis.name());
-                same_words(&what, &report(&loaded, analysis), &report(&shaken(&loaded, 1 + k as u64), analysis));
+                same_words(
+                    &what,
+                    &report(&loaded, analysis),
+                    &report(&shaken(&loaded, 1 + k as u64), analysis),
+                );
             }
         }
     }
@@ -150,7 +178,11 @@ fn words_of_nonlinear_analyses_survive_rounding_of_the_inputs() {
         let loaded = Case::load(&path, &[]).expect("case");
         if loaded.case.contact.as_ref().is_some_and(|c| c.until.is_none()) {
             let what = path.display().to_string();
-            same_words(&what, &report(&loaded, Analysis::Contact), &report(&shaken(&loaded, 3), Analysis::Contact));
+            same_words(
+                &what,
+                &report(&loaded, Analysis::Contact),
+                &report(&shaken(&loaded, 3), Analysis::Contact),
+            );
         }
     }
 }

@@ -291,7 +291,10 @@ fn a_drive_that_only_turns_gives_the_torque_of_inertia() {
         let outcome = run(&case);
         let inertia = 0.2 + 7800.0 * std::f64::consts::PI * 0.03f64.powi(4) / 2.0;
         let energy = outcome.results.energy.as_ref().expect("energy");
-        assert!((energy.drive_work_j / (inertia * 100.0 * 100.0 / 2.0) - 1.0).abs() < 1e-4, "{at} {energy:?}");
+        assert!(
+            (energy.drive_work_j / (inertia * 100.0 * 100.0 / 2.0) - 1.0).abs() < 1e-4,
+            "{at} {energy:?}"
+        );
         let peak = outcome.results.extremes.as_ref().expect("extremes").torque_n_m;
         let right = inertia * 100.0 * std::f64::consts::PI / (2.0 * 0.5);
         assert!((peak / right - 1.0).abs() < 2e-2, "{at} {frame}: {peak} {right}");
@@ -316,7 +319,9 @@ fn growth_is_read_clear_of_hubs() {
     assert!((last.growth_at_m - 2.0).abs() >= 0.4 && last.growth_is_clear, "{}", last.growth_at_m);
     assert!((last.growth_m[0] / exact - 1.0).abs() < 1e-2, "{} {exact}", last.growth_m[0]);
     let growth = &hub.results.growth;
-    let at = |x: f64| growth.x_m.iter().position(|p| (p - x).abs() < 1e-9).map(|k| growth.rim_m[k][0]).expect("station");
+    let at = |x: f64| {
+        growth.x_m.iter().position(|p| (p - x).abs() < 1e-9).map(|k| growth.rim_m[k][0]).expect("station")
+    };
     assert!(at(2.0).abs() < 0.02 * exact, "{}", at(2.0));
     assert!(growth.largest_rim_m >= last.growth_m[0] && growth.bore_m.iter().all(Option::is_none));
     let probe = |name: &str| last.probes.iter().find(|p| p.name == name).expect("probe");
@@ -339,5 +344,8 @@ fn the_bore_grows_along_a_tube() {
     let k = results.growth.x_m.iter().position(|x| (x - middle).abs() < 1e-9).expect("station");
     // closed form of a long tube: 0.47778 and 0.51785 um
     let bore = results.growth.bore_m[k].expect("hollow")[0];
-    assert!((results.growth.rim_m[k][0] / 0.47778e-6 - 1.0).abs() < 2e-3 && (bore / 0.51785e-6 - 1.0).abs() < 2e-3);
+    assert!(
+        (results.growth.rim_m[k][0] / 0.47778e-6 - 1.0).abs() < 2e-3
+            && (bore / 0.51785e-6 - 1.0).abs() < 2e-3
+    );
 }

@@ -4,8 +4,16 @@ use crate::common::{campbell, fieldtest, model, shaft, with};
 use rotor::results::{Branch, Campbell, ModeKind, Whirl};
 use serde_json::json;
 
+/// Names in order of frequency at the first speed.
 fn names(found: &Campbell) -> Vec<String> {
     found.branches.iter().map(|b| b.name.clone()).collect()
+}
+
+/// Names in the order of the alphabet.
+fn sorted(found: &Campbell) -> Vec<String> {
+    let mut list = names(found);
+    list.sort();
+    list
 }
 
 /// After a veering a motion that started backward whirls forward: at 19600 rpm the one at 488 rad/s has the circularity
@@ -35,14 +43,15 @@ fn a_branch_changes_its_sense_after_a_veering() {
 #[test]
 fn names_do_not_depend_on_the_sweep() {
     let case = fieldtest("whirl_after_veering");
-    let whole = names(&campbell(&case));
-    assert_eq!(whole[..6], ["1B", "1F", "2B", "2F", "3B", "3F"]);
+    let found = campbell(&case);
+    assert_eq!(names(&found)[..6], ["1B", "1F", "2B", "2F", "3B", "3F"]);
+    let whole = sorted(&found);
     for speeds in [
         json!({ "from": 0, "to": "8000 rpm", "count": 9 }),
         json!({ "from": "5000 rpm", "to": "19600 rpm", "count": 16 }),
         json!({ "from": "12000 rpm", "to": "12000 rpm", "count": 1 }),
     ] {
-        assert_eq!(names(&campbell(&with(&case, json!({ "campbell.speeds": speeds })))), whole, "{speeds}");
+        assert_eq!(sorted(&campbell(&with(&case, json!({ "campbell.speeds": speeds })))), whole, "{speeds}");
     }
 }
 
@@ -127,7 +136,8 @@ fn a_free_conical_whirl_has_a_branch() {
     let ratio = squares / 2.0 / (squares / 4.0 + l * l / 12.0);
     for k in 1..4 {
         let (w, speed) = (branch.frequency_rad_s[k].expect("a frequency"), found.speeds_rad_s[k]);
-        assert!((w / (speed * ratio) - 1.0).abs() < 1e-4, "{w} {}", speed * ratio);
+        // that of the rigid tube; its own give adds 2e-3 at 60 rad/s
+        assert!((w / (speed * ratio) - 1.0).abs() < 2e-3, "{w} {}", speed * ratio);
         assert_eq!(branch.whirl_at_speed[k], Whirl::Forward);
     }
     assert!((branch.frequency_rad_s[3].expect("a frequency") - 5.38).abs() < 0.01);

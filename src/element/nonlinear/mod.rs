@@ -20,13 +20,13 @@ use crate::element::expansion::place;
 use crate::element::lanes::Scratch;
 use crate::element::quadrature::section_rule;
 use crate::element::stations::Stations;
+use crate::instructions::Instructions;
 use crate::model::{ElementKind, Law, Material, Quadrature};
 use crate::section::Section;
 use crate::vectors::exponents;
 use force::Force;
 use nalgebra::Matrix3;
 use polynomials::{Class, count, place_on_grid};
-use crate::instructions::Instructions;
 use pulp::{Arch, Simd};
 use tangent::{Tables, Tangent};
 
