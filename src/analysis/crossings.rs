@@ -12,6 +12,8 @@ use std::f64::consts::PI;
 
 /// Relative difference between a direct critical speed and a branch's crossing that calls for a remark.
 const MISMATCH: f64 = 1e-5;
+/// Relative difference of two speeds that is none.
+const EQUAL: f64 = 1e-8;
 /// Imbalance of a critical motion that calls for a remark.
 const IMBALANCE: f64 = 1e-3;
 
@@ -201,8 +203,8 @@ impl Solver<'_> {
 
     /// Speeds at which a branch's frequency equals the spin speed, ascending.
     fn crossings(&self, sweep: &[Solution], branches: &[Tracked]) -> Result<Vec<Crossing>> {
-        let mut found = Vec::new();
-        for tracked in branches {
+        let mut found: Vec<(usize, Crossing)> = Vec::new();
+        for (place, tracked) in branches.iter().enumerate() {
             let excess: Vec<Option<f64>> = tracked
                 .branch
                 .frequency_rad_s
@@ -215,22 +217,27 @@ impl Solver<'_> {
                 if (a > 0.0) == (b > 0.0) {
                     continue;
                 }
-                let Some(place) = tracked.motions[k] else { continue };
+                let Some(motion) = tracked.motions[k] else { continue };
                 let (speed, motion) =
-                    self.crossing([(sweep[k - 1].speed, a), (sweep[k].speed, b)], &sweep[k].motions[place])?;
+                    self.crossing([(sweep[k - 1].speed, a), (sweep[k].speed, b)], &sweep[k].motions[motion])?;
                 if speed < self.settings.speeds[0] {
                     continue;
                 }
-                found.push(Crossing {
+                let crossing = Crossing {
                     speed,
                     name: tracked.branch.name.clone(),
                     whirl: self.sense(&motion, speed, tracked.waves),
                     kind: tracked.branch.kind,
-                });
+                };
+                found.push((place, crossing));
             }
         }
-        found.sort_by(|a, b| a.speed.total_cmp(&b.speed));
-        Ok(found)
+        found.sort_by(|a, b| a.1.speed.total_cmp(&b.1.speed));
+        // what is equal up to rounding stands in the order of the branches
+        for equal in found.chunk_by_mut(|a, b| b.1.speed / a.1.speed - 1.0 <= EQUAL) {
+            equal.sort_by_key(|(place, _)| *place);
+        }
+        Ok(found.into_iter().map(|(_, crossing)| crossing).collect())
     }
 
     /// Root of frequency minus speed between two speeds, on the branch of `motion`, and the motion there.
