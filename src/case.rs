@@ -1,29 +1,43 @@
 //! The case file exactly as written: keys, defaults, units; no meaning yet (that is [`crate::model`]).
 //! Unknown keys are errors. The documentation of each key is also that of the JSON Schema.
 
+mod paths;
+mod reading;
 mod scene;
+mod schema;
 mod tradeoff;
+mod words;
 
+pub(crate) use paths::shown;
 pub use scene::*;
+pub use schema::schema;
 pub use tradeoff::*;
+pub use words::nearest;
 
 use crate::error::{Error, Result};
 use crate::json::Strict;
 use crate::units::{
-    Acceleration, Damping, Density, Force, Inertia, Length, Mass, Moment, Rate, Speed, Stiffness, Stress,
-    Time,
+    Acceleration, Damping, Density, Force, Inertia, Length, Mass, Matrix, Moment, Rate, Speed, Stiffness,
+    Stress, Time,
 };
+use paths::{at, replace, short};
+use reading::{other_container, whole_numbers};
 use schemars::JsonSchema;
+use serde::de::{self, IntoDeserializer};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::path::Path;
+use words::{input_error, syntax_words};
 
 /// A rotor and what to do with it.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
+    /// Address of the schema (`rotor schema`), for editors; the program does not read it.
+    #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
+    pub schema: Option<String>,
     /// One line that names the case; it heads reports and plots.
     pub title: String,
     /// What the case shows.
@@ -125,9 +139,9 @@ fn no_rate() -> Rate {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum SectionShape {
-    /// `radius`
+    /// `radius` or `diameter`
     Circle,
-    /// `outer_radius`, `inner_radius`
+    /// `outer_radius` or `outer_diameter`, `inner_radius` or `inner_diameter`
     Tube,
     /// `semi_axis_y`, `semi_axis_z`, optionally `inner_semi_axis_y` and `inner_semi_axis_z`
     Ellipse,
@@ -139,15 +153,21 @@ pub enum SectionShape {
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Section {
-    /// Shape: circle (radius), tube (outer_radius, inner_radius), ellipse (semi_axis_y, semi_axis_z and
-    /// inner_semi_axis_y, inner_semi_axis_z), rectangle (height, width).
+    /// Shape: circle (radius or diameter), tube (outer_radius, inner_radius or the diameters), ellipse (semi_axis_y,
+    /// semi_axis_z and inner_semi_axis_y, inner_semi_axis_z), rectangle (height, width).
     pub shape: SectionShape,
     /// Radius of a circle.
     pub radius: Option<Length>,
+    /// Diameter of a circle, instead of its radius.
+    pub diameter: Option<Length>,
     /// Outer radius of a tube.
     pub outer_radius: Option<Length>,
+    /// Outer diameter of a tube, instead of its radius.
+    pub outer_diameter: Option<Length>,
     /// Inner radius of a tube.
     pub inner_radius: Option<Length>,
+    /// Inner diameter of a tube, instead of its radius.
+    pub inner_diameter: Option<Length>,
     /// Outer semi-axis of an ellipse along y.
     pub semi_axis_y: Option<Length>,
     /// Outer semi-axis of an ellipse along z.
@@ -180,13 +200,35 @@ pub struct Shaft {
 }
 
 /// Integration of nonlinear forces.
-#[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Quadrature {
     /// A rule by name.
     Named(QuadratureName),
     /// Numbers of Gauss points.
     Points(QuadraturePoints),
+}
+
+impl<'de> Deserialize<'de> for Quadrature {
+    fn deserialize<D: serde::Deserializer<'de>>(d: D) -> std::result::Result<Self, D::Error> {
+        d.deserialize_any(QuadratureVisitor)
+    }
+}
+
+struct QuadratureVisitor;
+
+impl<'de> de::Visitor<'de> for QuadratureVisitor {
+    type Value = Quadrature;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(r#""exact", "reduced", or { "axial": .., "section": .. }"#)
+    }
+    fn visit_str<E: de::Error>(self, name: &str) -> std::result::Result<Quadrature, E> {
+        QuadratureName::deserialize(name.into_deserializer()).map(Quadrature::Named)
+    }
+    fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> std::result::Result<Quadrature, A::Error> {
+        QuadraturePoints::deserialize(de::value::MapAccessDeserializer::new(map)).map(Quadrature::Points)
+    }
 }
 
 impl Default for Quadrature {
@@ -264,8 +306,12 @@ pub struct Disk {
     pub diametral_inertia: Option<Inertia>,
     /// Outer radius (with thickness and rho).
     pub radius: Option<Length>,
+    /// Outer diameter, instead of the radius.
+    pub diameter: Option<Length>,
     /// Radius of the bore, default 0.
     pub inner_radius: Option<Length>,
+    /// Diameter of the bore, instead of its radius.
+    pub inner_diameter: Option<Length>,
     /// Thickness.
     pub thickness: Option<Length>,
     /// Density.
@@ -339,10 +385,10 @@ pub struct Support {
     /// clamped, revolute, cylindrical with a plane section: what is held in the plane (mean displacement and turn of
     /// section, bore or rim; by default the axis vector and the section's turn, on ring elements those of the section).
     pub acts_on: Option<ActsOn>,
-    /// Bearing: [[kyy, kyz], [kzy, kzz]].
-    pub stiffness: Option<[[Stiffness; 2]; 2]>,
-    /// Bearing: [[cyy, cyz], [czy, czz]], default zero.
-    pub damping: Option<[[Damping; 2]; 2]>,
+    /// Bearing: [[kyy, kyz], [kzy, kzz]], or one number for the same in y and z.
+    pub stiffness: Option<Matrix<Stiffness>>,
+    /// Bearing: [[cyy, cyz], [czy, czz]], or one number for the same in y and z; default zero.
+    pub damping: Option<Matrix<Damping>>,
 }
 
 /// Which part of the lateral surface a traction acts on.
@@ -695,7 +741,7 @@ impl JsonSchema for ReductionSize {
         "ReductionSize".into()
     }
     fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
-        schemars::json_schema!({ "anyOf": [{ "type": "integer", "minimum": 1 }, { "const": "none" }] })
+        schemars::json_schema!({ "anyOf": [{ "type": "integer", "minimum": 9, "maximum": 5000 }, { "const": "none" }] })
     }
 }
 
@@ -745,6 +791,8 @@ pub struct LoadedCase {
     pub file: String,
     /// SHA-256 of the JSON.
     pub sha256: String,
+    /// Overrides that the JSON contains, path to value.
+    pub overrides: Map<String, Value>,
 }
 
 impl Case {
@@ -767,8 +815,9 @@ impl Case {
             file: file.to_owned(),
             line: e.line(),
             column: e.column(),
-            message: e.to_string().split(" at line ").next().unwrap_or_default().to_owned(),
+            message: syntax_words(&e.to_string()),
         })?;
+        let mut overrides = Map::new();
         for item in set {
             let (path, text) = item.split_once('=').ok_or_else(|| {
                 Error::Usage(format!("--set {item}: write PATH=VALUE, e.g. shaft.segments.0.elements=8"))
@@ -777,9 +826,10 @@ impl Case {
                 Ok(Strict(new)) => new,
                 Err(_) => Value::String(text.to_owned()),
             };
-            replace(&mut value, path, new)?;
+            replace(&mut value, path, new.clone())?;
+            overrides.insert(path.to_owned(), new);
         }
-        LoadedCase::from_value(file, value)
+        Ok(LoadedCase { overrides, ..LoadedCase::from_value(file, value)? })
     }
 }
 
@@ -789,7 +839,7 @@ impl LoadedCase {
     /// # Errors
     /// Unknown keys or wrong types.
     pub fn from_value(file: &str, value: Value) -> Result<Self> {
-        let case: Case = serde_path_to_error::deserialize(&value).map_err(|e| {
+        let case: Case = serde_path_to_error::deserialize(whole_numbers(&value)).map_err(|e| {
             let path = e.path().to_string();
             input_error(file, &value, path.trim_start_matches('.'), &e.into_inner().to_string())
         })?;
@@ -799,7 +849,7 @@ impl LoadedCase {
             return Err(input_error(file, &value, &path, &format!("wrong type; {allowed}")));
         }
         let sha256 = Sha256::digest(value.to_string()).iter().map(|byte| format!("{byte:02x}")).collect();
-        Ok(Self { case, value, file: file.to_owned(), sha256 })
+        Ok(Self { case, value, file: file.to_owned(), sha256, overrides: Map::new() })
     }
 
     /// The same case with overrides.
@@ -807,134 +857,22 @@ impl LoadedCase {
     /// # Errors
     /// A bad override.
     pub fn with(&self, set: &Map<String, Value>) -> Result<Self> {
-        let mut value = self.value.clone();
+        let (mut value, mut overrides) = (self.value.clone(), self.overrides.clone());
         for (path, new) in set {
             replace(&mut value, path, new.clone())?;
+            overrides.insert(path.clone(), new.clone());
         }
-        Self::from_value(&self.file, value)
+        Ok(Self { overrides, ..Self::from_value(&self.file, value)? })
     }
 
     /// An [`Error::Input`] about the value at a JSON path.
     pub fn fault(&self, path: &str, problem: impl Into<String>, allowed: impl Into<String>) -> Error {
         Error::Input {
             file: self.file.clone(),
-            path: path.to_owned(),
+            path: shown(path),
             value: at(&self.value, path).map_or("missing".to_owned(), short),
             problem: problem.into(),
             allowed: allowed.into(),
         }
     }
-}
-
-/// Serde also reads an object from a list of its values and a word from `{ "word": null }`; in a case file
-/// either is a mistake. The place of the first one, and what belongs there.
-fn other_container(written: &Value, understood: &Value, path: &str) -> Option<(String, &'static str)> {
-    let child = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
-    match (written, understood) {
-        (Value::Object(map), Value::Object(known)) => {
-            map.iter().find_map(|(key, value)| other_container(value, known.get(key)?, &child(key)))
-        }
-        (Value::Array(list), Value::Array(known)) => {
-            let pairs = list.iter().zip(known).enumerate();
-            pairs
-                .into_iter()
-                .find_map(|(i, (value, known))| other_container(value, known, &child(&i.to_string())))
-        }
-        (Value::Array(_), Value::Object(_)) => Some((path.to_owned(), "an object { .. }")),
-        (Value::Object(_), Value::String(_)) => Some((path.to_owned(), "a string")),
-        _ => None,
-    }
-}
-
-/// The value at a dotted path.
-fn at<'a>(value: &'a Value, path: &str) -> Option<&'a Value> {
-    path.split('.').filter(|s| !s.is_empty()).try_fold(value, |value, step| match value {
-        Value::Object(map) => map.get(step),
-        Value::Array(list) => step.parse::<usize>().ok().and_then(|i| list.get(i)),
-        _ => None,
-    })
-}
-
-/// JSON text of a value, shortened.
-fn short(value: &Value) -> String {
-    let text = value.to_string();
-    if text.chars().count() <= 80 { text } else { text.chars().take(77).collect::<String>() + "..." }
-}
-
-/// Puts a new value at a dotted path. Keys that are missing are made; whether they may exist at all is for
-/// the types of [`Case`] to say.
-fn replace(value: &mut Value, path: &str, new: Value) -> Result<()> {
-    let wrong = |step: &str, there: String| {
-        Err(Error::Usage(format!("override {path}: there is no `{step}` in the case; there {there}")))
-    };
-    let mut place = value;
-    let steps: Vec<&str> = path.split('.').collect();
-    for (i, step) in steps.iter().enumerate() {
-        let last = i + 1 == steps.len();
-        place = match place {
-            Value::Object(map) => map
-                .entry(step.to_string())
-                .or_insert_with(|| if last { Value::Null } else { Value::Object(Map::new()) }),
-            Value::Array(list) => {
-                let length = list.len();
-                match step.parse::<usize>().ok().and_then(|i| list.get_mut(i)) {
-                    Some(item) => item,
-                    None => return wrong(step, format!("are {length} entries, numbered from 0")),
-                }
-            }
-            other => return wrong(step, format!("is only the value {}", short(other))),
-        };
-    }
-    *place = new;
-    Ok(())
-}
-
-/// Turns serde's words into path, value and remedy.
-fn input_error(file: &str, value: &Value, path: &str, message: &str) -> Error {
-    let mut path = path.replace('[', ".").replace(']', "");
-    let input = |path: String, found: String, problem: String, allowed: String| Error::Input {
-        file: file.to_owned(),
-        path: if path.is_empty() { "(top level)".to_owned() } else { path },
-        value: found,
-        problem,
-        allowed,
-    };
-    let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
-    if let (true, Some((key, known))) = (message.starts_with("unknown field"), quoted.split_first()) {
-        if path.rsplit('.').next() != Some(key) {
-            path = if path.is_empty() { key.to_string() } else { format!("{path}.{key}") };
-        }
-        let near = nearest(key, known).map(|k| format!(", did you mean \"{k}\"?")).unwrap_or_default();
-        let found = at(value, &path).map_or_else(|| format!("\"{key}\""), short);
-        return input(path, found, format!("unknown key \"{key}\"{near}"), known.join(", "));
-    }
-    let found = at(value, &path).map_or("missing".to_owned(), short);
-    if let (true, Some((word, known))) = (message.starts_with("unknown variant"), quoted.split_first()) {
-        let near = nearest(word, known).map(|k| format!(", did you mean \"{k}\"?")).unwrap_or_default();
-        return input(path, found, format!("unknown word \"{word}\"{near}"), known.join(", "));
-    }
-    if let (true, Some(key)) = (message.starts_with("missing field"), quoted.first()) {
-        return input(
-            path,
-            found,
-            format!("the key \"{key}\" is missing"),
-            format!("add \"{key}\" (see `rotor schema`)"),
-        );
-    }
-    let (problem, allowed) = message
-        .split_once("; ")
-        .or_else(|| message.split_once(", expected "))
-        .unwrap_or((message, "see `rotor schema`"));
-    input(path, found, problem.to_owned(), allowed.to_owned())
-}
-
-/// The candidate that was probably meant.
-pub fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
-    let best = candidates.iter().map(|c| (strsim::damerau_levenshtein(word, c), *c)).min()?;
-    (best.0 <= 1 + word.chars().count() / 4).then_some(best.1)
-}
-
-/// JSON Schema of the case file.
-pub fn schema() -> Value {
-    schemars::schema_for!(Case).to_value()
 }

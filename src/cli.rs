@@ -3,6 +3,7 @@
 //! Exit codes: 0 done; 1 the analysis ran but did not succeed (no convergence, out of tolerance); 2 bad
 //! input or usage. Results go to standard output, progress and messages to standard error.
 
+mod terminal;
 mod tradeoff;
 
 use crate::analysis::matrices::matrices;
@@ -20,12 +21,18 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
+use terminal::{print, say, written};
+
+/// Exit code of a run that an interrupt ended at once.
+const INTERRUPTED: i32 = 130;
+/// Time in which a run notices an interrupt.
+const PATIENCE: Duration = Duration::from_secs(5);
 
 const EXAMPLES: &str = "\
 Examples:
   rotor campbell cases/bauchau.json
-  rotor campbell cases/bauchau.json --set shaft.segments.0.elements=32 --out study/32
+  rotor campbell cases/bauchau.json --set shaft.segments.0.elements=32 --out reports/bauchau-32
   rotor modes cases/table3-tube.json --set modes.count=12
   rotor spinup cases/table8-spin-circle.json
   rotor spinup cases/rub-ring.json --set spinup.stators.0.friction=0.02
@@ -101,23 +108,30 @@ struct ValidateArguments {
 
 /// Runs the program on the process' arguments.
 pub fn main() -> ExitCode {
-    let matches = match Arguments::command().try_get_matches() {
-        Ok(matches) => matches,
-        Err(e) => {
-            // clap prints help to standard output with code 0, faults to standard error with code 2
-            let _ = e.print();
-            return ExitCode::from(u8::try_from(e.exit_code()).unwrap_or(2));
-        }
+    let outcome = match Arguments::command().try_get_matches() {
+        Ok(matches) => Arguments::from_arg_matches(&matches)
+            .map_err(|e| Error::Usage(e.to_string()))
+            .and_then(|arguments| execute(&arguments.command)),
+        Err(e) => usage(&e),
     };
-    let outcome = Arguments::from_arg_matches(&matches)
-        .map_err(|e| Error::Usage(e.to_string()))
-        .and_then(|arguments| execute(&arguments.command));
     match outcome {
         Ok(code) => code,
         Err(e) => {
-            eprintln!("error: {e}");
+            // the exit code tells what could not be said
+            let _ = say(&format!("error: {e}"));
             ExitCode::from(e.exit_code())
         }
+    }
+}
+
+/// Help goes to standard output with code 0, faults of usage to standard error with code 2.
+fn usage(message: &clap::Error) -> Result<ExitCode> {
+    let stream = if message.use_stderr() { "standard error" } else { "standard output" };
+    let printed = message.print().and_then(|()| std::io::stdout().flush());
+    let code = u8::try_from(message.exit_code()).unwrap_or(2);
+    match written(stream, printed) {
+        Err(lost) if code == 0 => Err(lost),
+        _ => Ok(ExitCode::from(code)),
     }
 }
 
@@ -133,28 +147,62 @@ fn execute(command: &Command) -> Result<ExitCode> {
         Command::Matrices(arguments) => write_matrices(arguments),
         Command::Validate(arguments) => validate_cases(arguments),
         Command::Schema => {
-            print(&json::text(&schema()));
+            print(&json::text(&schema()))?;
             Ok(ExitCode::SUCCESS)
         }
     }
 }
 
-/// Standard output may be closed early (`rotor ... | head`); that is no fault of the run.
-fn print(text: &str) {
-    let _ = std::io::stdout().lock().write_all(text.as_bytes());
-}
-
+/// The folder of the reports of a case, by default named for it.
 fn folder(out: Option<&PathBuf>, case: &Path) -> PathBuf {
     out.cloned().unwrap_or_else(|| {
-        let stem = case.file_stem().map(|s| s.to_os_string()).unwrap_or_default();
-        Path::new("reports").join(stem)
+        // "...json" has the stem "..", which is no name for a folder
+        let name = match case.file_stem() {
+            Some(stem) if stem != "." && stem != ".." => Some(stem),
+            _ => case.file_name(),
+        };
+        Path::new("reports").join(name.unwrap_or("case".as_ref()))
     })
 }
 
-fn load(arguments: &RunArguments) -> Result<(LoadedCase, PathBuf)> {
+/// Reports of two case files of one name do not replace each other unnoticed.
+fn respect(folder: &Path, given: bool, case: &Path, analysis: &str, quiet: bool) -> Result<()> {
+    let others = files::foreign(folder, case);
+    let case_of = |other: &files::Foreign| other.case.display().to_string();
+    match others.first() {
+        Some(other) if !given => Err(Error::Usage(format!(
+            "{} holds reports of another case file, {}\n  allowed: --out with another folder, e.g. --out {}; or remove the old reports",
+            folder.display(),
+            case_of(other),
+            beside(folder, case).display()
+        ))),
+        _ => match others.iter().find(|other| other.analysis == analysis) {
+            Some(other) if !quiet => say(&format!(
+                "note: {} of {} is replaced by that of {}",
+                folder.join(format!("{analysis}.json")).display(),
+                case_of(other),
+                case.display()
+            )),
+            _ => Ok(()),
+        },
+    }
+}
+
+/// A folder beside the usual one, named for the folder of the case, too.
+fn beside(folder: &Path, case: &Path) -> PathBuf {
+    let full = std::fs::canonicalize(case).unwrap_or_else(|_| case.to_owned());
+    let parent = full.parent().and_then(Path::file_name).unwrap_or("other".as_ref());
+    let mut name = parent.to_os_string();
+    name.push("-");
+    name.push(folder.file_name().unwrap_or_default());
+    folder.with_file_name(name)
+}
+
+fn load(arguments: &RunArguments, analysis: &str) -> Result<(LoadedCase, PathBuf)> {
     let loaded = Case::load(&arguments.case, &arguments.set)?;
     let folder = folder(arguments.out.as_ref(), &arguments.case);
     files::check_folder(&folder)?;
+    respect(&folder, arguments.out.is_some(), &arguments.case, analysis, arguments.quiet)?;
     if let Some(threads) = arguments.threads {
         // fails only when a pool exists already, which then has the right size
         let _ = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
@@ -164,51 +212,69 @@ fn load(arguments: &RunArguments) -> Result<(LoadedCase, PathBuf)> {
 
 fn analyse(arguments: &RunArguments, analysis: Analysis) -> Result<ExitCode> {
     let start = Instant::now();
-    let (loaded, folder) = load(arguments)?;
+    let (loaded, folder) = load(arguments, analysis.name())?;
     let bar = progress_bar(analysis, run::steps(&loaded, analysis)?, arguments.quiet);
-    let stop = Arc::new(AtomicBool::new(false));
+    let (stop, noticed) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
     if matches!(analysis, Analysis::Spinup | Analysis::Contact) {
-        stop_on_interrupt(&stop)?;
+        stop_on_interrupt(&stop, Some(&noticed))?;
     }
     let watch = |share: f64, line: &str| {
         bar.set_position((share * run::TICKS as f64) as u64);
         bar.set_message(line.to_owned());
-        !stop.load(Ordering::Relaxed)
+        let stopped = stop.load(Ordering::Relaxed);
+        noticed.fetch_or(stopped, Ordering::Relaxed);
+        !stopped
     };
     let finished = run::run(&loaded, analysis, !arguments.no_plots, &|done| bar.inc(done as u64), &watch)?;
     bar.finish_and_clear();
     let mut pending = vec![(format!("{}.json", analysis.name()), json::text(&finished.json))];
     pending.extend(finished.plots);
-    pending.push((format!("{}.cost.json", analysis.name()), cost(start, finished.cost)));
-    let paths = files::write_all(&folder, &pending)?;
-    Ok(conclude(&finished.table, &finished.diagnostics, &paths, arguments.quiet))
+    let set = files::Set {
+        analysis: analysis.name(),
+        case: &arguments.case,
+        files: pending,
+        cost: cost(start, finished.cost),
+    };
+    let paths = files::write_set(&folder, set)?;
+    conclude(&finished.table, &finished.diagnostics, &paths, arguments.quiet)
 }
 
-/// The first interrupt ends the run with what is done, the second one at once.
-fn stop_on_interrupt(stop: &Arc<AtomicBool>) -> Result<()> {
-    let stop = stop.clone();
+/// The first interrupt ends the run with what is done, the second one at once; so does time, where the run is in a part
+/// that has nothing to report yet and does not notice.
+fn stop_on_interrupt(stop: &Arc<AtomicBool>, noticed: Option<&Arc<AtomicBool>>) -> Result<()> {
+    let (stop, noticed) = (stop.clone(), noticed.cloned());
     let on_interrupt = move || {
         if stop.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
+            std::process::exit(INTERRUPTED);
+        }
+        if let Some(noticed) = noticed.clone() {
+            std::thread::spawn(move || {
+                std::thread::sleep(PATIENCE);
+                if !noticed.load(Ordering::Relaxed) {
+                    std::process::exit(INTERRUPTED);
+                }
+            });
         }
     };
     ctrlc::set_handler(on_interrupt).map_err(|e| Error::Usage(format!("no interrupt handler: {e}")))
 }
 
 /// Prints the table and the paths, failed checks to standard error, and gives the exit code.
-fn conclude(table: &str, diagnostics: &[Diagnostic], paths: &[PathBuf], quiet: bool) -> ExitCode {
-    if !quiet {
-        let mut text = table.to_owned();
-        for path in paths.iter().filter(|p| !p.to_string_lossy().ends_with(".cost.json")) {
-            text += &format!("wrote {}\n", path.display());
-        }
-        print(&text);
-    }
+fn conclude(table: &str, diagnostics: &[Diagnostic], paths: &[PathBuf], quiet: bool) -> Result<ExitCode> {
     let failed: Vec<&Diagnostic> = diagnostics.iter().filter(|d| d.level == Level::Error).collect();
     for d in &failed {
-        eprintln!("error: {} [{}]", d.message, d.code);
+        say(&format!("error: {} [{}]", d.message, d.code))?;
     }
-    ExitCode::from(u8::from(!failed.is_empty()))
+    if !quiet {
+        print(&format!("{table}{}", written_paths(paths)))?;
+    }
+    Ok(ExitCode::from(u8::from(!failed.is_empty())))
+}
+
+/// The reports and plots that were written, a line each.
+fn written_paths(paths: &[PathBuf]) -> String {
+    let shown = paths.iter().filter(|p| !p.to_string_lossy().ends_with(".cost.json"));
+    shown.map(|path| format!("wrote {}\n", path.display())).collect()
 }
 
 fn progress_bar(analysis: Analysis, steps: usize, quiet: bool) -> ProgressBar {
@@ -228,21 +294,22 @@ fn progress_bar(analysis: Analysis, steps: usize, quiet: bool) -> ProgressBar {
 }
 
 /// Wall time and peak memory of this run; kept beside the report, not in it, so that reports repeat.
-fn cost(start: Instant, phases: Option<serde_json::Value>) -> String {
+fn cost(start: Instant, phases: Option<serde_json::Value>) -> serde_json::Value {
     let peak = std::fs::read_to_string("/proc/self/status").ok().and_then(|status| {
         let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;
         line.split_whitespace().nth(1)?.parse::<f64>().ok()
     });
-    json::text(&serde_json::json!({
+    serde_json::json!({
         "wall_s": start.elapsed().as_secs_f64(),
         "peak_memory_mb": peak.map(|kb| kb / 1024.0),
         "threads": rayon::current_num_threads(),
         "phases": phases,
-    }))
+    })
 }
 
 fn write_matrices(arguments: &RunArguments) -> Result<ExitCode> {
-    let (loaded, folder) = load(arguments)?;
+    let start = Instant::now();
+    let (loaded, folder) = load(arguments, "matrices")?;
     let model = Model::new(&loaded)?;
     let (rows, list) = matrices(&model);
     let mut pending: Vec<(String, String)> = list
@@ -253,13 +320,11 @@ fn write_matrices(arguments: &RunArguments) -> Result<ExitCode> {
         "matrices.json".to_owned(),
         json::text(&matrix_market::sidecar(&rows, &list, &loaded.sha256)),
     ));
-    let paths = files::write_all(&folder, &pending)?;
+    let set =
+        files::Set { analysis: "matrices", case: &arguments.case, files: pending, cost: cost(start, None) };
+    let paths = files::write_set(&folder, set)?;
     if !arguments.quiet {
-        let mut text = format!("{} unknowns, unconstrained, physical units\n", rows.len());
-        for path in paths {
-            text += &format!("wrote {}\n", path.display());
-        }
-        print(&text);
+        print(&format!("{} unknowns, unconstrained, physical units\n{}", rows.len(), written_paths(&paths)))?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -276,10 +341,10 @@ fn validate_cases(arguments: &ValidateArguments) -> Result<ExitCode> {
         if !arguments.quiet || failed > 0 {
             let shown: Vec<&Comparison> =
                 comparisons.iter().filter(|c| !arguments.quiet || !c.holds()).collect();
-            print(&format!("{}\n{}\n", path.display(), comparison_table(&shown)));
+            print(&format!("{}\n{}\n", path.display(), comparison_table(&shown)))?;
         }
     }
-    print(&format!("{} of {total} values within tolerance, {} cases\n", total - out, cases.len()));
+    print(&format!("{} of {total} values within tolerance, {} cases\n", total - out, cases.len()))?;
     Ok(ExitCode::from(u8::from(out > 0)))
 }
 

@@ -1,6 +1,7 @@
 //! The one error type. Every variant carries the values a user needs to mend the input:
 //! where it is, what was found, what is allowed. `exit_code` is the contract of the command line.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Anything that stops an analysis.
@@ -33,12 +34,24 @@ pub enum Error {
         message: String,
     },
     /// A file or folder can't be read or written.
-    #[error("{}: cannot {action}: {message}", path.display())]
+    #[error("{}: cannot {action}: {message}\n  remedy:  {remedy}", path.display())]
     Io {
         /// The file or folder.
         path: PathBuf,
         /// "read", "write", ...
         action: &'static str,
+        /// What the operating system said.
+        message: String,
+        /// What the user can do.
+        remedy: String,
+    },
+    /// Text for the terminal was lost.
+    #[error(
+        "{stream} cannot be written: {message}\n  remedy:  the reports are written; give room or another place to it, or --quiet"
+    )]
+    Lost {
+        /// "standard output" or "standard error".
+        stream: &'static str,
         /// What the operating system said.
         message: String,
     },
@@ -71,17 +84,45 @@ pub enum Error {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
-    /// 2 for bad input or usage, 1 for an analysis that did not succeed.
+    /// 2 for bad input or usage, 1 for an analysis that did not succeed or output that was lost.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Error::Analysis { .. } => 1,
+            Error::Analysis { .. } | Error::Lost { .. } => 1,
             _ => 2,
         }
     }
 
     /// An [`Error::Io`] from the operating system's error.
     pub fn io(path: &Path, action: &'static str, error: &std::io::Error) -> Self {
-        Error::Io { path: path.to_owned(), action, message: error.to_string() }
+        let remedy = match error.kind() {
+            ErrorKind::NotFound => "check the spelling, and the folder that it is seen from",
+            ErrorKind::PermissionDenied => "take a place that you may use, or change its permissions",
+            ErrorKind::ReadOnlyFilesystem => "take a place that can be written to: --out",
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
+                "free some space there, or write elsewhere with --out"
+            }
+            ErrorKind::IsADirectory => "name a file: this is a folder",
+            ErrorKind::NotADirectory => "name a folder: a part of this path is a file",
+            ErrorKind::InvalidData => "a text file in UTF-8",
+            ErrorKind::InvalidFilename => "a shorter or simpler name",
+            _ => "check that the place exists, is reachable and may be used",
+        };
+        Error::Io { path: path.to_owned(), action, message: error.to_string(), remedy: remedy.to_owned() }
+    }
+
+    /// An [`Error::Lost`] from the operating system's error.
+    pub fn lost(stream: &'static str, error: &std::io::Error) -> Self {
+        Error::Lost { stream, message: error.to_string() }
+    }
+
+    /// An [`Error::Analysis`] of a run that needs more memory than there is.
+    pub fn memory(what: &str) -> Self {
+        Error::analysis(
+            format!("there is not enough memory for {what}"),
+            "the memory of this machine, or what it allows this process",
+            "fewer elements, a lower order, fewer speeds, outputs or probe points (`rotor check` estimates the need); or a \
+             larger machine",
+        )
     }
 
     /// An [`Error::Analysis`].

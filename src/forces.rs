@@ -41,20 +41,23 @@ impl ElementForces {
             return Ok(Self::Continuum(Box::new(element.with_instructions(model.instructions))));
         }
         if material.stiffness_damping != 0.0 {
-            return Err(Error::Usage(
-                "3333s has no stiffness damping in nonlinear analyses: its Kelvin-Voigt stress belongs to strains of \
-                 points, which its law does not use; set damping.stiffness of the material to 0, or take an element \
-                 34X1 .. 34X5 or 3333c"
+            return Err(Error::Case {
+                path: format!("materials.{}.damping.stiffness", model.names.materials[e.material]),
+                problem: "3333s has no stiffness damping in nonlinear analyses: its Kelvin-Voigt stress belongs to strains of \
+                          points, which its law does not use"
                     .to_owned(),
-            ));
+                allowed: "0; or an element 34X1 .. 34X5 or 3333c".to_owned(),
+            });
         }
         let points = quadrature.axial.unwrap_or(AXIAL_POINTS);
         if points < 3 {
-            return Err(Error::Usage(
-                "3333s needs 3 or more Gauss points along an element: fewer leave zero-energy modes; set \
-                 shaft.quadrature.axial to 3 or more"
-                    .to_owned(),
-            ));
+            return Err(Error::Case {
+                path: "shaft.quadrature.axial".to_owned(),
+                problem:
+                    "3333s needs more Gauss points along an element: fewer than 3 leave zero-energy modes"
+                        .to_owned(),
+                allowed: "3 to 20, or \"exact\"".to_owned(),
+            });
         }
         Ok(Self::Structural(StructuralElement::new(section, material, e.length, r, points)))
     }

@@ -3,19 +3,13 @@
 
 mod build;
 mod choice;
+pub mod memory;
 mod mesh;
 pub mod scene;
 
 use crate::instructions::Instructions;
 use crate::section::{Section, Surface};
 use crate::vectors::SectionBasis;
-
-/// Peak memory of a campbell run in bytes: system matrices, factors and the vectors of the eigenvalue solvers, for
-/// a mesh with so many unknowns and so many unknowns a node. Fitted to runs of 16 to 512 elements 34X3.
-pub fn estimated_memory(unknowns: f64, per_node: f64) -> f64 {
-    let half_band = 4.0 * per_node;
-    2.5e7 + unknowns * 8.0 * (4.0 * half_band + 760.0)
-}
 
 /// Isotropic linear elastic material with Kelvin-Voigt and external damping.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -505,6 +499,8 @@ pub struct Model {
     pub materials: Vec<Material>,
     /// Sections in use.
     pub sections: Vec<Section>,
+    /// What the case calls them.
+    pub names: Names,
     /// Elements that the program chose itself (`"element": "auto"`), and why.
     pub choices: Vec<ElementChoice>,
     /// Places that stood beside an element end by rounding and were moved onto it, in words.
@@ -539,6 +535,15 @@ pub struct Model {
     pub statics: StaticSettings,
     /// Spin-up, when the case has one.
     pub spinup: Option<SpinupSettings>,
+}
+
+/// Names of materials and sections in the case, by their indices in a [`Model`].
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Names {
+    /// Of [`Model::materials`].
+    pub materials: Vec<String>,
+    /// Of [`Model::sections`].
+    pub sections: Vec<String>,
 }
 
 impl Model {

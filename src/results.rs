@@ -8,6 +8,7 @@ mod tradeoff;
 pub use contact::*;
 pub use motion::*;
 use serde::Serialize;
+use serde_json::{Map, Value};
 pub use tradeoff::*;
 
 /// A finished analysis with everything its report says.
@@ -34,6 +35,10 @@ pub struct CaseInfo {
     pub file: String,
     /// SHA-256 of the case as analysed, overrides included.
     pub sha256: String,
+    /// The overrides (`--set`), path to value.
+    pub overrides: Map<String, Value>,
+    /// The case as analysed, overrides included, but for `expected`: written to a file it is the case of this report.
+    pub effective: Value,
 }
 
 /// Size and content of the model.

@@ -5,9 +5,10 @@ use crate::analysis::{self, Outcome};
 use crate::case::LoadedCase;
 use crate::error::{Error, Result};
 use crate::model::Model;
+use crate::model::memory::memory;
 use crate::model::scene::Scene;
 use crate::plot;
-use crate::report::table;
+use crate::report::{printable, table};
 use crate::results::{CaseInfo, Diagnostic, Report};
 use serde::Serialize;
 use serde_json::Value;
@@ -97,6 +98,9 @@ pub fn run(
         return finish(&report, Vec::new(), table::scene(&report.results));
     }
     let model = Model::new(loaded)?;
+    if analysis != Analysis::Check {
+        afford(memory(&model).iter().map(|share| share.bytes).sum())?;
+    }
     match analysis {
         Analysis::Check | Analysis::Contact => {
             let mut outcome = analysis::check::check(&model)?;
@@ -108,11 +112,11 @@ pub fn run(
                 );
                 outcome.diagnostics.push(Diagnostic::info("study", words));
             }
-            let report = report(loaded, outcome);
+            let report = checked(loaded, &model, outcome);
             finish(&report, Vec::new(), table::check(&report.results))
         }
         Analysis::Modes => {
-            let report = report(loaded, analysis::modes::modes(&model)?);
+            let report = checked(loaded, &model, analysis::modes::modes(&model)?);
             let svg =
                 if plots { vec![("modes.svg".to_owned(), plot::modes::svg(&report)?)] } else { Vec::new() };
             finish(&report, svg, table::modes(&report.results))
@@ -123,7 +127,9 @@ pub fn run(
             if let Some(refused) = analysis::remarks::refusal(&model, settings) {
                 return Err(loaded.fault(refused.path, refused.reason, refused.remedy));
             }
-            let report = report(loaded, analysis::campbell::campbell(&model, settings, progress)?);
+            let outcome =
+                analysis::campbell::campbell(&model, settings, progress).map_err(|e| refused(loaded, e))?;
+            let report = checked(loaded, &model, outcome);
             let svg = if plots {
                 vec![("campbell.svg".to_owned(), plot::campbell::svg(&report)?)]
             } else {
@@ -133,7 +139,7 @@ pub fn run(
         }
         Analysis::Static => {
             let outcome = analysis::statics::statics(&model).map_err(|e| refused(loaded, e))?;
-            let report = report(loaded, outcome);
+            let report = checked(loaded, &model, outcome);
             let svg = if plots { plot::motion::statics(&report)? } else { Vec::new() };
             finish(&report, svg, table::statics(&report.results))
         }
@@ -144,7 +150,7 @@ pub fn run(
             }
             let outcome =
                 analysis::spinup::spinup(&model, settings, watch).map_err(|e| refused(loaded, e))?;
-            let report = report(loaded, outcome);
+            let report = checked(loaded, &model, outcome);
             let svg = if plots { plot::motion::spinup(&report)? } else { Vec::new() };
             finish(&report, svg, table::spinup(&report.results))
         }
@@ -152,7 +158,7 @@ pub fn run(
 }
 
 /// Whether a case is a contact scene.
-fn is_scene(loaded: &LoadedCase) -> bool {
+pub(crate) fn is_scene(loaded: &LoadedCase) -> bool {
     let case = &loaded.case;
     case.shaft.is_none() && (!case.bodies.is_empty() || case.contact.is_some())
 }
@@ -201,13 +207,41 @@ pub fn steps(loaded: &LoadedCase, analysis: Analysis) -> Result<usize> {
     })
 }
 
-/// What a nonlinear analysis refuses about the model or its start is a fault of the case.
+/// What an analysis refuses about the model or its start is a fault of the case.
 fn refused(loaded: &LoadedCase, error: Error) -> Error {
     match error {
-        Error::Usage(reason) => loaded.fault("shaft.element", reason, "34X1 .. 34X5 or 3333c"),
         Error::Case { path, problem, allowed } => loaded.fault(&path, problem, allowed),
         other => other,
     }
+}
+
+/// The report of an outcome, with doubts about the values of the case.
+fn checked<R>(loaded: &LoadedCase, model: &Model, mut outcome: Outcome<R>) -> Report<R> {
+    outcome.diagnostics.extend(analysis::plausibility::plausibility(model));
+    report(loaded, outcome)
+}
+
+/// Refuses a run that needs more memory than there is, before it starts.
+fn afford(bytes: f64) -> Result<()> {
+    let needed = format!("this run, which takes about {:.2} GB", bytes / 1e9);
+    if free_memory().is_some_and(|free| bytes > free) {
+        return Err(Error::memory(&needed));
+    }
+    // what a process is allowed shows when it asks
+    let mut room: Vec<u8> = Vec::new();
+    let got = room.try_reserve_exact(bytes as usize);
+    std::hint::black_box(&mut room);
+    got.map_err(|_| Error::memory(&needed))
+}
+
+/// Memory that the system can still give, where it says so, bytes.
+fn free_memory() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let kilobytes = |key: &str| {
+        let line = text.lines().find(|line| line.starts_with(key))?;
+        line.split_whitespace().nth(1)?.parse::<f64>().ok()
+    };
+    Some(1024.0 * (kilobytes("MemAvailable:")? + kilobytes("SwapFree:").unwrap_or(0.0)))
 }
 
 fn missing_block(loaded: &LoadedCase, name: &str) -> Error {
@@ -226,6 +260,8 @@ fn missing_block(loaded: &LoadedCase, name: &str) -> Error {
 
 /// The report of an outcome.
 pub(crate) fn report<R>(loaded: &LoadedCase, outcome: Outcome<R>) -> Report<R> {
+    let mut effective = loaded.value.clone();
+    effective.as_object_mut().map(|case| case.shift_remove("expected"));
     let name = Path::new(&loaded.file).file_name().map(|n| n.to_string_lossy().into_owned());
     Report {
         rotor: env!("CARGO_PKG_VERSION"),
@@ -233,6 +269,8 @@ pub(crate) fn report<R>(loaded: &LoadedCase, outcome: Outcome<R>) -> Report<R> {
             title: loaded.case.title.clone(),
             file: name.unwrap_or_else(|| loaded.file.clone()),
             sha256: loaded.sha256.clone(),
+            overrides: loaded.overrides.clone(),
+            effective,
         },
         model: outcome.model,
         results: outcome.results,
@@ -249,11 +287,22 @@ pub(crate) fn finish<R: Serialize>(
     let json = serde_json::to_value(report).map_err(|e| {
         Error::analysis("the report could not be written as JSON", e.to_string(), "report this")
     })?;
+    let plots = plots.into_iter().map(|(name, svg)| (name, marked(&svg, &report.case))).collect();
     let table = format!(
         "{}\n{}\n{results}\n{}",
-        report.case.title,
+        printable::line(&report.case.title),
         table::model(&report.model),
         table::diagnostics(&report.diagnostics)
     );
     Ok(Finished { json, plots, table, diagnostics: report.diagnostics.clone(), cost: None })
+}
+
+/// A drawing that says which report it belongs to: text that is XML whatever names stand in it, with the case.
+fn marked(svg: &str, case: &CaseInfo) -> String {
+    let svg = printable::lines(svg);
+    let mark = format!("<desc>rotor {}, case {}</desc>", env!("CARGO_PKG_VERSION"), case.sha256);
+    match svg.find("<svg").and_then(|at| svg[at..].find('>').map(|end| at + end + 1)) {
+        Some(at) => format!("{}\n{mark}{}", &svg[..at], &svg[at..]),
+        None => svg,
+    }
 }

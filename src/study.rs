@@ -7,13 +7,14 @@ mod process;
 mod store;
 
 use crate::analysis::tradeoff::{self as design, Measured, Reference, Settings, Subject};
-use crate::analysis::{Outcome, check};
-use crate::case::{LoadedCase, Tradeoff};
+use crate::analysis::{Outcome, check, contact};
+use crate::case::{LoadedCase, StudyAnalysis, Tradeoff, shown};
 use crate::error::{Error, Result};
 use crate::model::Model;
+use crate::model::scene::Scene;
 use crate::plot;
 use crate::report::table;
-use crate::results::Machine;
+use crate::results::{Machine, ModelSummary};
 use crate::run::{self, Finished};
 use crate::validate::filter_name;
 use process::{Ended, Task};
@@ -92,6 +93,16 @@ pub fn plan(loaded: &LoadedCase) -> Result<Plan> {
         return Err(loaded.fault("tradeoff.grid", problem, format!("at most {MOST_POINTS} points")));
     }
     let analysis = block.analysis.name();
+    if run::is_scene(loaded) != (block.analysis == StudyAnalysis::Contact) {
+        let problem =
+            if run::is_scene(loaded) { "the case is a contact scene" } else { "the case is a shaft" };
+        let allowed = if run::is_scene(loaded) {
+            "\"contact\""
+        } else {
+            "\"modes\", \"campbell\", \"static\", \"spinup\""
+        };
+        return Err(loaded.fault("tradeoff.analysis", problem, allowed));
+    }
     if !block.quantity.path().starts_with("results.") {
         return Err(loaded.fault(
             "tradeoff.quantity",
@@ -99,11 +110,22 @@ pub fn plan(loaded: &LoadedCase) -> Result<Plan> {
             format!("a path that starts with \"results.\", as in {analysis}.json"),
         ));
     }
+    let key = block.quantity.path().split('.').nth(1).unwrap_or_default();
+    let keys = block.analysis.result_keys();
+    if !keys.contains(&key) {
+        return Err(loaded.fault(
+            "tradeoff.quantity",
+            format!("the results of {analysis} have no number under `{key}`"),
+            format!("results. with one of {}, and the path below it as in {analysis}.json", keys.join(", ")),
+        ));
+    }
     let reference = reference(loaded, &block)?;
     let machine = machine();
     let mut points = Vec::new();
+    let mut unfit = Unfit::default();
     for settings in design::expand(&block.grid) {
         let changed = with(loaded, analysis, &settings)?;
+        unfit.look(&changed, &settings);
         let mut case = changed.value;
         if let Value::Object(map) = &mut case {
             map.shift_remove("tradeoff");
@@ -111,6 +133,7 @@ pub fn plan(loaded: &LoadedCase) -> Result<Plan> {
         let key = store::key(&case, analysis, &block, &machine.processor);
         points.push(PlannedPoint { settings, case, key });
     }
+    unfit.refuse(loaded)?;
     Ok(Plan { block, reference, machine, file: loaded.file.clone(), points })
 }
 
@@ -140,6 +163,7 @@ fn with(loaded: &LoadedCase, analysis: &str, settings: &Settings) -> Result<Load
             return Err(grid_fault(loaded, path, value, why, "paths of what the analysis computes with"));
         }
     }
+    let settings = &written_out(loaded, settings)?;
     let whole = match loaded.with(settings) {
         Ok(changed) => return Ok(changed),
         Err(error) => error,
@@ -157,6 +181,64 @@ fn with(loaded: &LoadedCase, analysis: &str, settings: &Settings) -> Result<Load
     }
 }
 
+/// Values of the grid whose every combination makes a case that is refused.
+#[derive(Default)]
+struct Unfit {
+    /// Path, value and, while no combination with it was fit, the first refusal.
+    values: Vec<(String, Value, Option<Error>)>,
+}
+
+impl Unfit {
+    /// Builds the model of a point, which costs nothing beside its run.
+    fn look(&mut self, case: &LoadedCase, settings: &Settings) {
+        let built = if run::is_scene(case) { Scene::new(case).map(drop) } else { Model::new(case).map(drop) };
+        let refusal = built.err();
+        for (path, value) in settings {
+            match self.values.iter_mut().find(|(p, v, _)| p == path && v == value) {
+                None => self.values.push((path.clone(), value.clone(), refusal.clone())),
+                Some(known) if refusal.is_none() => known.2 = None,
+                Some(_) => {}
+            }
+        }
+    }
+
+    fn refuse(self, loaded: &LoadedCase) -> Result<()> {
+        match self.values.into_iter().find_map(|(path, value, refusal)| Some((path, value, refusal?))) {
+            Some((path, value, refusal)) => Err(in_grid(loaded, &path, &value, refusal)),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The settings that a case knows: `mesh` as the numbers of elements of all segments or bodies.
+fn written_out(loaded: &LoadedCase, settings: &Settings) -> Result<Settings> {
+    let mut all = Settings::new();
+    for (path, value) in settings {
+        if path != "mesh" {
+            all.insert(path.clone(), value.clone());
+            continue;
+        }
+        let Some(factor) = value.as_u64().filter(|f| (1..=10_000).contains(f)) else {
+            return Err(grid_fault(
+                loaded,
+                path,
+                value,
+                "the mesh has no such factor",
+                "whole numbers from 1 to 10000",
+            ));
+        };
+        let segments = loaded.case.shaft.iter().flat_map(|s| &s.segments).map(|s| u64::from(s.elements));
+        let bodies = loaded.case.bodies.iter().map(|b| u64::from(b.elements));
+        let list: [(&str, Vec<u64>); 2] =
+            [("shaft.segments", segments.collect()), ("bodies", bodies.collect())];
+        for (i, (place, elements)) in list.iter().flat_map(|(p, l)| l.iter().map(move |n| (p, n))).enumerate()
+        {
+            all.insert(format!("{place}.{i}.elements"), Value::from(elements.saturating_mul(factor)));
+        }
+    }
+    Ok(all)
+}
+
 /// Why a setting would change nothing that the analysis computes, if so.
 fn without_effect(path: &str, analysis: &str) -> Option<&'static str> {
     let head = path.split('.').next().unwrap_or_default();
@@ -165,7 +247,7 @@ fn without_effect(path: &str, analysis: &str) -> Option<&'static str> {
         "title" | "description" | "source" | "expected" | "tradeoff" => {
             Some("it changes nothing that is computed")
         }
-        "modes" | "campbell" | "static" | "spinup" if head != analysis => {
+        "modes" | "campbell" | "static" | "spinup" | "contact" if head != analysis => {
             Some("it belongs to another analysis than the study's")
         }
         "shaft" if linear && path.starts_with("shaft.quadrature") => {
@@ -179,7 +261,7 @@ fn without_effect(path: &str, analysis: &str) -> Option<&'static str> {
 fn grid_fault(loaded: &LoadedCase, path: &str, value: &Value, problem: &str, allowed: &str) -> Error {
     Error::Input {
         file: loaded.file.clone(),
-        path: format!("tradeoff.grid.{path}"),
+        path: shown(&format!("tradeoff.grid.{path}")),
         value: value.to_string(),
         problem: problem.to_owned(),
         allowed: allowed.to_owned(),
@@ -341,6 +423,14 @@ pub fn measure(
     Ok(Measurements { points, reused })
 }
 
+/// Size and content of the case as it stands.
+fn case_summary(loaded: &LoadedCase) -> Result<ModelSummary> {
+    if run::is_scene(loaded) {
+        return Ok(contact::check(&Scene::new(loaded)?)?.model);
+    }
+    Ok(check::check(&Model::new(loaded)?)?.model)
+}
+
 /// A case as the text of a file, every digit kept.
 pub fn case_text(case: &Value) -> String {
     format!("{case:#}\n")
@@ -385,13 +475,13 @@ pub fn finish(
     };
     let (results, diagnostics) = design::tradeoff(&subject, &measured.points);
     let chosen = results.choice.as_ref().map(|choice| plan.points[choice.point].case.clone());
-    let mut model = check::check(&Model::new(loaded)?)?.model;
-    model.left_out.retain(|text| !text.starts_with("spin:"));
-    model.modelled.push(format!(
-        "as the case stands; {} settings of it run with {}",
-        results.points.len(),
-        subject.analysis
-    ));
+    let mut model = case_summary(loaded)?;
+    // what the studied analysis models, as its runs said it
+    let points = measured.points.iter().filter_map(|m| m.outcome.as_ref().ok());
+    if let Some(found) = points.max_by_key(|found| found.degrees_of_freedom) {
+        (model.modelled, model.left_out) = (found.modelled.clone(), found.left_out.clone());
+    }
+    model.modelled.push(format!("{} settings run with {}", results.points.len(), subject.analysis));
     let report = run::report(loaded, Outcome { results, model, diagnostics });
     let svg =
         if plots { vec![("tradeoff.svg".to_owned(), plot::tradeoff::svg(&report)?)] } else { Vec::new() };

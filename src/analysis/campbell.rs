@@ -48,7 +48,11 @@ pub fn campbell(
 ) -> Result<Outcome<Campbell>> {
     let mut diagnostics = ignored_input(model);
     if let Some(refused) = refusal(model, settings) {
-        return Err(Error::Usage(format!("{}; remedy: {}", refused.reason, refused.remedy)));
+        return Err(Error::Case {
+            path: refused.path.to_owned(),
+            problem: refused.reason.to_owned(),
+            allowed: refused.remedy.to_owned(),
+        });
     }
     refuse_dependent(model)?;
     if settings.form == Form::Consistent && settings.speeds.iter().any(|s| *s > 0.0) {
@@ -144,19 +148,25 @@ fn refuse_supports(assembly: &Assembly<'_>, spectrum: &Spectrum, settings: &Camp
         |axes: &[&str]| spectrum.rigid_names.iter().find(|n| axes.iter().any(|axis| n.contains(axis)));
     let across = ["along y", "along z", "about y", "about z"];
     if let (WhirlFrame::Rotating, Some(motion)) = (settings.frame, rigid(&across)) {
-        return Err(Error::Usage(format!(
-            "the rotating frame needs a rotor that is held across its axis, but nothing resists {motion}; remedy: add \
-             bearings, or take \"frame\": \"stationary\""
-        )));
+        return Err(Error::Case {
+            path: "campbell.frame".to_owned(),
+            problem: format!(
+                "the rotating frame needs a rotor that is held across its axis, but nothing resists {motion}"
+            ),
+            allowed: "\"stationary\"; or more bearings".to_owned(),
+        });
     }
     if settings.form == Form::Consistent && rigid(&["about x"]).is_some() && assembly.holds_stretch_one_way()
     {
-        return Err(Error::Usage(
-            "a support holds the stretch of a section in a direction fixed in space while the shaft is free to turn: \
-             spinning, it would press against that support unevenly; remedy: a support of a kind (revolute, \
-             cylindrical, pinned, roller, bearing), one that holds all in-plane components alike, or \"form\": \"classical\""
+        return Err(Error::Case {
+            path: "supports".to_owned(),
+            problem: "a support holds the stretch of a section in a direction fixed in space while the shaft is free to \
+                      turn: spinning, it would press against that support unevenly"
                 .to_owned(),
-        ));
+            allowed: "a support of a kind (revolute, cylindrical, pinned, roller, bearing), one that holds all in-plane \
+                      components alike, or \"form\": \"classical\""
+                .to_owned(),
+        });
     }
     Ok(())
 }

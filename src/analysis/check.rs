@@ -4,7 +4,8 @@ use super::estimates::slow_remark;
 use super::{Outcome, ignored_input, model_remarks, summary};
 use crate::assembly::Assembly;
 use crate::error::Result;
-use crate::model::{Model, estimated_memory};
+use crate::model::Model;
+use crate::model::memory::memory;
 use crate::results::{Check, Diagnostic};
 
 /// Time of modes, critical speeds and checks per unknown, measured on one server core from 16 to 512
@@ -94,10 +95,7 @@ pub fn check(model: &Model) -> Result<Outcome<Check>> {
         polar_inertia_kg_m2: p.polar,
         inertia_y_kg_m2: p.diametral[0],
         inertia_z_kg_m2: p.diametral[1],
-        estimated_memory_mb: estimated_memory(
-            unknowns as f64,
-            assembly.numbering.len() as f64 / model.nodes.len() as f64,
-        ) / 1e6,
+        estimated_memory_mb: memory(model).iter().map(|share| share.bytes).sum::<f64>() / 1e6,
         estimated_time_s: time,
     };
     let mut model_summary = summary(model, unknowns, p.mass());

@@ -16,6 +16,7 @@ pub mod matrices;
 pub mod modes;
 mod motions;
 pub mod operators;
+pub mod plausibility;
 pub mod probes;
 pub mod reduced;
 pub mod remarks;

@@ -26,6 +26,7 @@ use crate::support::drives;
 use crate::vectors::SectionBasis;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
 
 /// Newton's method for equilibria.
 const NEWTON: NewtonSettings = NewtonSettings { load_steps: 1, max_iterations: 40, tolerance: 1e-20 };
@@ -37,6 +38,8 @@ const ORBIT_POINTS: usize = 6;
 const ORBIT_TURN: f64 = 0.1;
 /// Most points of the orbit in a run.
 const ORBIT: f64 = 20_000.0;
+/// Longest time among the outputs of a step without asking whether to go on.
+const PAUSE: Duration = Duration::from_millis(100);
 /// First step over the shortest phase.
 const FIRST_STEP: f64 = 1e-3;
 /// Error of the growth of a hollow section that calls for a warning.
@@ -128,7 +131,10 @@ fn run(
     let first_step = FIRST_STEP * shortest.fold(until, f64::min);
     let mut complete = true;
     let mut on_step = |dynamics: &mut Dynamics<'_>, step: &Step<'_>, progress: Progress| {
-        recorder.record(dynamics, step);
+        if !recorder.record(dynamics, step, watch) {
+            complete = false;
+            return Ok(ControlFlow::Break(()));
+        }
         let h = step.end.t - step.start.t;
         let line = format!("t = {:.4} s, step {h:.2e} s, {} steps", step.end.t, progress.steps);
         if watch(step.end.t / until, &line) {
@@ -357,6 +363,8 @@ struct Recorder<'a> {
     frame: Frame,
     /// Only with stators.
     rub: Option<RubRecorder>,
+    /// When it was last asked whether to go on.
+    asked: Instant,
 }
 
 impl<'a> Recorder<'a> {
@@ -389,6 +397,7 @@ impl<'a> Recorder<'a> {
             drawn: (0.0, settings.until / ORBIT, [0.0; 2]),
             supports,
             frame: settings.frame,
+            asked: Instant::now(),
         };
         recorder.sample(dynamics, 0.0, &begin.z, &begin.v, &begin.a, Flows::default());
         recorder.next = 1;
@@ -397,7 +406,8 @@ impl<'a> Recorder<'a> {
         Ok(recorder)
     }
 
-    fn record(&mut self, dynamics: &mut Dynamics<'_>, step: &Step<'_>) {
+    /// Takes up a step; false when the run is stopped among its many outputs, at the last of which the record ends.
+    fn record(&mut self, dynamics: &mut Dynamics<'_>, step: &Step<'_>, watch: Watch<'_>) -> bool {
         let n = step.end.z.len();
         let (mut z, mut v, mut a) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         while self.next < self.times.len() && self.times[self.next] <= step.end.t * (1.0 + 1e-12) {
@@ -405,6 +415,14 @@ impl<'a> Recorder<'a> {
             step.interpolate(t, &mut z, &mut v, &mut a);
             self.sample(dynamics, t, &z, &v, &a, step.flows_at(t));
             self.next += 1;
+            if self.asked.elapsed() > PAUSE {
+                self.asked = Instant::now();
+                let until = self.times.last().copied().unwrap_or(t);
+                if !watch(t / until, &format!("t = {t:.4} s, output {} of {}", self.next, self.times.len())) {
+                    self.last = (Moment { t, z, v, a }, step.flows_at(t));
+                    return false;
+                }
+            }
         }
         for k in 1..=ORBIT_POINTS {
             let t = step.start.t + (step.end.t - step.start.t) * k as f64 / ORBIT_POINTS as f64;
@@ -423,6 +441,7 @@ impl<'a> Recorder<'a> {
         }
         self.last.0.clone_from(step.end);
         self.last.1 = step.flows[1];
+        true
     }
 
     /// Draws the orbit on to a point of the turning frame: straight there, so that a long step of a steady whirl is an

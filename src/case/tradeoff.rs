@@ -17,6 +17,7 @@ pub struct Tradeoff {
     /// point with the most unknowns; it is then no part of the comparison).
     pub reference: Reference,
     /// Lists of values by path, as with --set; every combination is a point. A list of such objects adds up their points.
+    /// "mesh": [1, 2, 4] multiplies the elements of all segments (of all bodies of a scene).
     pub grid: Grid,
     /// Runs of a point, whose median counts, default 3; one run where it takes more than 10 s.
     #[serde(default = "three")]
@@ -41,6 +42,8 @@ pub enum StudyAnalysis {
     Static,
     /// Run up to speed.
     Spinup,
+    /// Equilibrium or motion of beams in contact.
+    Contact,
 }
 
 impl StudyAnalysis {
@@ -51,6 +54,52 @@ impl StudyAnalysis {
             Self::Campbell => "campbell",
             Self::Static => "static",
             Self::Spinup => "spinup",
+            Self::Contact => "contact",
+        }
+    }
+}
+
+impl StudyAnalysis {
+    /// The keys of its results that numbers stand under.
+    pub fn result_keys(self) -> &'static [&'static str] {
+        match self {
+            Self::Modes => &["rigid_modes", "modes"],
+            Self::Campbell => &[
+                "speeds_rad_s",
+                "branches",
+                "critical_speeds",
+                "unstable_ranges",
+                "reduction",
+                "stability_threshold_rad_s",
+            ],
+            Self::Static => &[
+                "load_factor",
+                "probes",
+                "profile",
+                "reactions",
+                "strain_energy_j",
+                "largest_strain",
+                "newton",
+            ],
+            Self::Spinup => {
+                &["final", "extremes", "growth", "history", "energy", "rub", "integrator", "newton"]
+            }
+            Self::Contact => &[
+                "time_s",
+                "load_factor",
+                "bodies",
+                "pairs",
+                "events",
+                "largest_penetration_m",
+                "energy_error",
+                "energy_change",
+                "momentum_residual",
+                "angular_momentum_residual",
+                "solver",
+                "history",
+                "energy_J",
+                "penalty_N_m3",
+            ],
         }
     }
 }

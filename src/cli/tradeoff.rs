@@ -1,6 +1,6 @@
 //! `rotor tradeoff`: arguments, progress and files of a study of cost and error.
 
-use super::{conclude, cost, folder, stop_on_interrupt};
+use super::{conclude, cost, folder, respect, stop_on_interrupt};
 use crate::case::Case;
 use crate::error::{Error, Result};
 use crate::report::{files, json};
@@ -30,8 +30,8 @@ that finer points of the grid confirm goes before one that has none, and that be
 
 Examples:
   rotor tradeoff studies/tradeoff/tradeoff-tube.json
-  rotor tradeoff studies/tradeoff/tradeoff-tube.json --error 1e-3 --out study/tube
-  rotor modes study/tube/chosen.json
+  rotor tradeoff studies/tradeoff/tradeoff-tube.json --error 1e-3 --out reports/tube
+  rotor modes reports/tube/chosen.json
 
 Exit codes: 0 done; 1 no point reaches the error, or none has a value; 2 bad input or usage.";
 
@@ -76,6 +76,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments) -> Result<ExitCode> {
     let loaded = Case::load(&arguments.case, &arguments.set)?;
     let folder = folder(arguments.out.as_ref(), &arguments.case);
     files::check_folder(&folder)?;
+    respect(&folder, arguments.out.is_some(), &arguments.case, "tradeoff", arguments.quiet)?;
     let plan = study::plan(&loaded)?;
     let program = std::env::current_exe()
         .map_err(|e| Error::Usage(format!("the path of this program is not known: {e}")))?;
@@ -86,7 +87,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments) -> Result<ExitCode> {
         fresh: arguments.fresh,
     };
     let stop = Arc::new(AtomicBool::new(false));
-    stop_on_interrupt(&stop)?;
+    stop_on_interrupt(&stop, None)?;
     let bar = progress_bar(plan.points.len(), arguments.quiet);
     let progress = |done: usize, name: &str| {
         bar.set_position(done as u64);
@@ -105,9 +106,10 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments) -> Result<ExitCode> {
         None if concluded.target.is_some() => remove(&folder.join(CHOSEN))?,
         None => {}
     }
-    pending.push(("tradeoff.cost.json".to_owned(), cost(start, None)));
-    let paths = files::write_all(&folder, &pending)?;
-    Ok(conclude(&finished.table, &finished.diagnostics, &paths, arguments.quiet))
+    let set =
+        files::Set { analysis: "tradeoff", case: &arguments.case, files: pending, cost: cost(start, None) };
+    let paths = files::write_set(&folder, set)?;
+    conclude(&finished.table, &finished.diagnostics, &paths, arguments.quiet)
 }
 
 /// Removes the choice of an earlier run, which this one contradicts.

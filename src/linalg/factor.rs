@@ -4,12 +4,12 @@ use crate::error::{Error, Result};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::perm::Perm;
-use faer::sparse::SparseColMat;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
+use faer::sparse::{FaerError, SparseColMat};
 use faer::traits::ComplexField;
 use faer::traits::ext::ComplexFieldExt;
 use faer::{Conj, MatMut, Par, Side};
@@ -19,6 +19,9 @@ pub struct Ldlt<T> {
     symbolic: SymbolicCholesky<usize>,
     values: Vec<T>,
 }
+
+/// What takes the memory.
+const FACTORS: &str = "the factors of a system matrix";
 
 fn failed(what: String) -> Error {
     Error::analysis(
@@ -48,11 +51,16 @@ impl<T: ComplexField<Real = f64>> Ldlt<T> {
                 ..Default::default()
             },
         );
-        let symbolic = symbolic.map_err(|e| failed(format!("symbolic factorisation: {e:?}")))?;
-        let mut values = vec![T::zero_impl(); symbolic.len_val()];
+        let symbolic = symbolic.map_err(|e| match e {
+            FaerError::OutOfMemory => Error::memory(FACTORS),
+            other => failed(format!("symbolic factorisation: {other:?}")),
+        })?;
+        let mut values = Vec::new();
+        values.try_reserve_exact(symbolic.len_val()).map_err(|_| Error::memory(FACTORS))?;
+        values.resize(symbolic.len_val(), T::zero_impl());
         let mut memory =
             MemBuffer::try_new(symbolic.factorize_numeric_ldlt_scratch::<T>(Par::Seq, Default::default()))
-                .map_err(|_| failed("out of memory".to_owned()))?;
+                .map_err(|_| Error::memory(FACTORS))?;
         symbolic
             .factorize_numeric_ldlt(
                 &mut values,

@@ -3,11 +3,14 @@
 mod loads;
 mod motion;
 mod scene;
+mod sections;
+
 use super::ElementChoice;
 use super::choice::{Choice, Demands, choose};
+use super::memory::{memory, mesh_memory};
 use super::mesh::{Mesh, SHORTEST, SegmentPlan};
 use super::{
-    ActsOn, Bearing, CampbellSettings, Disk, ElementKind, Form, Gyroscopic, Hub, Law, Material, Model,
+    ActsOn, Bearing, CampbellSettings, Disk, ElementKind, Form, Gyroscopic, Hub, Law, Model, Names,
     SectionHold, Support, SupportKind, WhirlFrame,
 };
 use crate::case::{self, Case, LoadedCase, nearest};
@@ -19,6 +22,8 @@ use std::f64::consts::PI;
 
 /// Most memory a model may need, bytes.
 const MEMORY_LIMIT: f64 = 12e9;
+/// Analyses that a case may expect values of.
+const ANALYSES: [&str; 6] = ["check", "modes", "campbell", "static", "spinup", "contact"];
 /// Largest value of any quantity, SI.
 const LARGEST: f64 = 1e30;
 
@@ -32,8 +37,13 @@ impl Model {
         let (materials, material_names) = input.materials()?;
         let (sections, section_names) = input.sections()?;
         let (mut plans, choices) = input.segments(&section_names, &material_names, &sections)?;
-        let sections = used(sections, plans.iter_mut().map(|p| &mut p.section).collect());
-        let materials = used(materials, plans.iter_mut().map(|p| &mut p.material).collect());
+        let kept = used(plans.iter_mut().map(|p| &mut p.section).collect());
+        let names_of = |all: &[String], kept: &[usize]| kept.iter().map(|&i| all[i].clone()).collect();
+        let mut names = Names { sections: names_of(&section_names, &kept), ..Names::default() };
+        let sections: Vec<Section> = kept.into_iter().map(|i| sections[i]).collect();
+        let kept = used(plans.iter_mut().map(|p| &mut p.material).collect());
+        names.materials = names_of(&material_names, &kept);
+        let materials = kept.into_iter().map(|i| materials[i]).collect();
         let length: f64 = plans.iter().map(|p| p.length).sum();
         let places = input.fixed_positions(length)?;
         let mesh = input.mesh(&plans, &sections, &places, length)?;
@@ -42,7 +52,7 @@ impl Model {
         let (loads, tractions) = input.loads(&mesh, &sections)?;
         let probes = input.probes(&mesh, length, &sections)?;
         input.expected()?;
-        Ok(Self {
+        let model = Self {
             reference_length: sections.iter().map(Section::outer_size).fold(0.0, f64::max),
             length,
             gravity: input.gravity()?,
@@ -56,6 +66,7 @@ impl Model {
             campbell: input.campbell(sections.iter().all(Section::is_axisymmetric))?,
             materials,
             sections,
+            names,
             choices,
             snapped: snapped(&mesh, &places, length),
             elements: mesh.elements,
@@ -64,7 +75,9 @@ impl Model {
             bearings,
             supports,
             probes,
-        })
+        };
+        input.memory(&model)?;
+        Ok(model)
     }
 }
 
@@ -109,111 +122,6 @@ impl Input<'_> {
             "so extreme a value leaves no digits to compute with",
             format!("{least:e} to {most:e} (SI)"),
         )
-    }
-
-    fn materials(&self) -> Result<Named<Material>> {
-        let (mut list, mut names) = (Vec::new(), Vec::new());
-        for (name, m) in &self.case.materials {
-            let at = |key: &str| format!("materials.{name}.{key}");
-            if !(m.nu > -1.0 && m.nu < 0.5) {
-                return self.fault(
-                    &at("nu"),
-                    "Poisson's ratio is out of range",
-                    "above -1 and below 0.5 (0.5 itself is incompressible: use 0.4999)",
-                );
-            }
-            list.push(Material {
-                youngs_modulus: self.positive(&at("E"), m.youngs_modulus.0)?,
-                poisson_ratio: m.nu,
-                density: self.positive(&at("rho"), m.rho.0)?,
-                stiffness_damping: self.not_negative(&at("damping.stiffness"), m.damping.stiffness.0)?,
-                mass_damping: self.not_negative(&at("damping.mass"), m.damping.mass.0)?,
-            });
-            names.push(name.clone());
-        }
-        Ok((list, names))
-    }
-
-    fn sections(&self) -> Result<Named<Section>> {
-        let (mut list, mut names) = (Vec::new(), Vec::new());
-        for (name, section) in &self.case.sections {
-            list.push(self.section(name, section)?);
-            names.push(name.clone());
-        }
-        Ok((list, names))
-    }
-
-    fn section(&self, name: &str, s: &case::Section) -> Result<Section> {
-        let given = [
-            ("radius", s.radius),
-            ("outer_radius", s.outer_radius),
-            ("inner_radius", s.inner_radius),
-            ("semi_axis_y", s.semi_axis_y),
-            ("semi_axis_z", s.semi_axis_z),
-            ("inner_semi_axis_y", s.inner_semi_axis_y),
-            ("inner_semi_axis_z", s.inner_semi_axis_z),
-            ("height", s.height),
-            ("width", s.width),
-        ];
-        let (shape, required, optional): (_, &[&str], &[&str]) = match s.shape {
-            case::SectionShape::Circle => ("circle", &["radius"], &[]),
-            case::SectionShape::Tube => ("tube", &["outer_radius", "inner_radius"], &[]),
-            case::SectionShape::Ellipse => {
-                ("ellipse", &["semi_axis_y", "semi_axis_z"], &["inner_semi_axis_y", "inner_semi_axis_z"])
-            }
-            case::SectionShape::Rectangle => ("rectangle", &["height", "width"], &[]),
-        };
-        let keys = [required, optional].concat();
-        let takes = format!("a {shape} takes {}", keys.join(", "));
-        let mut value = std::collections::BTreeMap::new();
-        for (key, length) in given {
-            let path = format!("sections.{name}.{key}");
-            match length {
-                Some(_) if !keys.contains(&key) => {
-                    return self.fault(&path, format!("a {shape} has no \"{key}\""), takes);
-                }
-                Some(length) if key.starts_with("inner") => {
-                    value.insert(key, self.not_negative(&path, length.0)?);
-                }
-                Some(length) => {
-                    value.insert(key, self.length(&path, length.0)?);
-                }
-                None if required.contains(&key) => {
-                    return self.fault(&path, format!("a {shape} needs \"{key}\""), takes);
-                }
-                None => {}
-            }
-        }
-        let get = |key: &str| value.get(key).copied().unwrap_or(0.0);
-        let [ky, kz] = match s.shape {
-            case::SectionShape::Tube => ["inner_radius", "inner_radius"],
-            _ => ["inner_semi_axis_y", "inner_semi_axis_z"],
-        };
-        let (shape, outer) = match s.shape {
-            case::SectionShape::Circle => (Shape::Ellipse, [get("radius"); 2]),
-            case::SectionShape::Tube => (Shape::Ellipse, [get("outer_radius"); 2]),
-            case::SectionShape::Ellipse => (Shape::Ellipse, [get("semi_axis_y"), get("semi_axis_z")]),
-            case::SectionShape::Rectangle => (Shape::Rectangle, [get("height") / 2.0, get("width") / 2.0]),
-        };
-        let inner = [get(ky), get(kz)];
-        for (key, i) in [(ky, 0), (kz, 1)] {
-            if inner[i] >= outer[i] {
-                let path = format!("sections.{name}.{key}");
-                return self.fault(
-                    &path,
-                    "the bore is not smaller than the outside",
-                    format!("below {}", outer[i]),
-                );
-            }
-        }
-        if (inner[0] == 0.0) != (inner[1] == 0.0) {
-            return self.fault(
-                &format!("sections.{name}"),
-                "a bore needs both semi-axes",
-                "both above 0, or neither",
-            );
-        }
-        Ok(Section { shape, outer, inner })
     }
 
     fn named(&self, path: &str, what: &str, name: &str, names: &[String]) -> Result<usize> {
@@ -421,7 +329,7 @@ impl Input<'_> {
             let pieces = plan.elements as f64 + positions.len() as f64;
             let per_node = 3.0 * plan.kind.n_vectors() as f64;
             let unknowns = pieces * plan.kind.axial_degree as f64 * per_node;
-            memory += super::estimated_memory(unknowns, per_node);
+            memory += mesh_memory(unknowns, per_node);
             if memory > MEMORY_LIMIT {
                 return self.fault(
                     &format!("shaft.segments.{i}.elements"),
@@ -431,6 +339,29 @@ impl Input<'_> {
             }
         }
         Ok(Mesh::new(plans, sections, &positions, length))
+    }
+
+    /// Refuses a model whose matrices, sweep and histories together need too much memory.
+    fn memory(&self, model: &Model) -> Result<()> {
+        let shares = memory(model);
+        let total: f64 = shares.iter().map(|share| share.bytes).sum();
+        let largest = shares.iter().max_by(|a, b| a.bytes.total_cmp(&b.bytes));
+        match largest {
+            Some(share) if !(total <= MEMORY_LIMIT) => {
+                let parts: Vec<String> =
+                    shares.iter().map(|s| format!("{} {:.1} GB", s.what, s.bytes / 1e9)).collect();
+                self.fault(
+                    share.path,
+                    format!(
+                        "the analyses of the case need about {:.0} GB of memory: {}",
+                        total / 1e9,
+                        parts.join(", ")
+                    ),
+                    format!("less: at most {:.0} GB altogether", MEMORY_LIMIT / 1e9),
+                )
+            }
+            _ => Ok(()),
+        }
     }
 
     fn disks(&self, mesh: &Mesh, sections: &[Section]) -> Result<Vec<Disk>> {
@@ -446,10 +377,12 @@ impl Input<'_> {
                 ("radius", d.radius.is_some()),
                 ("thickness", d.thickness.is_some()),
                 ("rho", d.rho.is_some()),
+                ("diameter", d.diameter.is_some()),
                 ("inner_radius", d.inner_radius.is_some()),
+                ("inner_diameter", d.inner_diameter.is_some()),
                 ("thickness_inertia", d.thickness_inertia.is_some()),
             ];
-            let allowed = "either mass, polar_inertia, diametral_inertia; or radius, thickness, rho (and inner_radius, thickness_inertia)";
+            let allowed = "either mass, polar_inertia, diametral_inertia; or radius (or diameter), thickness, rho (and inner_radius or inner_diameter, thickness_inertia)";
             let first = |keys: &[(&'static str, bool)]| keys.iter().find(|k| k.1).map(|k| k.0);
             let (mass, polar, diametral) = match (first(&by_inertia), first(&by_geometry)) {
                 (Some(_), Some(key)) => {
@@ -476,8 +409,15 @@ impl Input<'_> {
                     )
                 }
                 (None, Some(_)) => {
-                    let (Some(radius), Some(thickness), Some(rho)) = (d.radius, d.thickness, d.rho) else {
-                        let missing = by_geometry[..3].iter().find(|k| !k.1).map_or("radius", |k| k.0);
+                    let radius = self.radius(&at, ["radius", "diameter"], [d.radius, d.diameter])?;
+                    let inner = self.radius(
+                        &at,
+                        ["inner_radius", "inner_diameter"],
+                        [d.inner_radius, d.inner_diameter],
+                    )?;
+                    let (Some(radius), Some(thickness), Some(rho)) = (radius, d.thickness, d.rho) else {
+                        let first = usize::from(radius.is_some());
+                        let missing = by_geometry[first..3].iter().find(|k| !k.1).map_or("radius", |k| k.0);
                         return self.fault(
                             &at(missing),
                             format!("the disk's \"{missing}\" is missing"),
@@ -485,7 +425,7 @@ impl Input<'_> {
                         );
                     };
                     let outer = self.length(&at("radius"), radius.0)?;
-                    let bore = self.not_negative(&at("inner_radius"), d.inner_radius.map_or(0.0, |r| r.0))?;
+                    let bore = self.not_negative(&at("inner_radius"), inner.map_or(0.0, |r| r.0))?;
                     let (t, rho) =
                         (self.length(&at("thickness"), thickness.0)?, self.positive(&at("rho"), rho.0)?);
                     if bore >= outer {
@@ -693,14 +633,16 @@ impl Input<'_> {
             return self.fault(
                 &format!("{path}.stiffness"),
                 "a bearing needs its stiffness",
-                "[[kyy, kyz], [kzy, kzz]] in N/m",
+                "one number (the same in y and z) or [[kyy, kyz], [kzy, kzz]], N/m",
             );
         };
-        let stiffness = stiffness.map(|row| row.map(|k| k.0));
-        let damping = s.damping.map_or([[0.0; 2]; 2], |c| c.map(|row| row.map(|c| c.0)));
+        let stiffness = stiffness.0.map(|row| row.map(|k| k.0));
+        let damping = s.damping.map_or([[0.0; 2]; 2], |c| c.0.map(|row| row.map(|c| c.0)));
         for (key, law) in [("stiffness", &stiffness), ("damping", &damping)] {
             for (place, value) in law.iter().flatten().enumerate() {
-                self.within(&format!("{path}.{key}.{}.{}", place / 2, place % 2), value.abs(), 0.0, LARGEST)?;
+                let entry = format!("{path}.{key}.{}.{}", place / 2, place % 2);
+                let entry = if self.is_written(&entry) { entry } else { format!("{path}.{key}") };
+                self.within(&entry, value.abs(), 0.0, LARGEST)?;
             }
         }
         let off = (stiffness[0][1] + stiffness[1][0]) / 2.0;
@@ -850,6 +792,9 @@ impl Input<'_> {
                     "a number or a list of numbers",
                 );
             }
+            if e.analysis.as_deref().is_some_and(|name| !ANALYSES.contains(&name)) {
+                return self.fault(&at("analysis"), "no such analysis", ANALYSES.join(", "));
+            }
             // overrides must fit the case, or the check would not be of what it says
             if let Some(Err(error)) = e.set.as_ref().map(|set| self.loaded.with(set)) {
                 return self.fault(&at("set"), "these overrides do not fit the case", error.to_string());
@@ -886,8 +831,8 @@ fn snapped(mesh: &Mesh, places: &[(String, f64)], length: f64) -> Vec<String> {
     places.iter().filter_map(moved).collect()
 }
 
-/// Keeps what is referred to, in order of first use, and renumbers the references.
-fn used<T: Copy>(list: Vec<T>, references: Vec<&mut usize>) -> Vec<T> {
+/// What is referred to, in order of first use; the references are renumbered to that order.
+fn used(references: Vec<&mut usize>) -> Vec<usize> {
     let mut kept: Vec<usize> = Vec::new();
     for reference in references {
         let at = kept.iter().position(|k| k == reference).unwrap_or_else(|| {
@@ -896,5 +841,5 @@ fn used<T: Copy>(list: Vec<T>, references: Vec<&mut usize>) -> Vec<T> {
         });
         *reference = at;
     }
-    kept.into_iter().map(|i| list[i]).collect()
+    kept
 }

@@ -144,6 +144,9 @@ fn legend(results: &Tradeoff, groups: &[String]) -> Vec<(Sample, String)> {
     if let Some(target) = results.target_error {
         list.push((Sample::Stroke(TARGET_LINE), format!("error asked for: {target:e}")));
     }
+    if results.points.iter().any(|p| p.error.is_some() && !p.warnings.is_empty()) {
+        list.push((Sample::Marker(Marker::Ring, style::BLACK), "its run warned of its accuracy".to_owned()));
+    }
     if results.choice.is_some() {
         list.push((Sample::Marker(Marker::Ring, style::VERMILLION), "chosen".to_owned()));
     }
@@ -270,6 +273,9 @@ fn paint(canvas: &mut Canvas, frame: Rect, results: &Tradeoff, spots: &[Spot<'_>
         let at = pixel(spot);
         canvas.marker(at, spot.marker, 5.4, FRONT);
     }
+    for spot in spots.iter().filter(|s| !s.point.warnings.is_empty()) {
+        canvas.ring(pixel(spot), 7.0, style::BLACK, 1.0);
+    }
     if let Some(spot) = spots.iter().find(|s| Some(s.index) == chosen) {
         canvas.ring(pixel(spot), 9.0, style::VERMILLION, 2.2);
         canvas.marker(pixel(spot), spot.marker, 5.0, if spot.point.pareto { FRONT } else { style::BLACK });
@@ -355,12 +361,16 @@ fn remarks(report: &Report<Tradeoff>) -> String {
     if results.front.iter().any(|&i| results.points[i].finer_is_worse) {
         words.push("* A finer point has a larger error.".to_owned());
     }
+    if let Some(error) = results.reference.error {
+        words.push(format!("The reference is itself off by about {error:.0e}: no point is drawn below."));
+    }
     if results.points.iter().any(|p| p.error.is_some_and(|e| e < LEAST_ERROR)) {
         words.push(format!("Errors below {LEAST_ERROR:e} are drawn there."));
     }
     match results.choice.as_ref().map(|c| c.trust) {
         Some(Trust::Unconfirmed) => words.push("No finer point confirms the choice.".to_owned()),
         Some(Trust::Refuted) => words.push("A finer point refutes the choice.".to_owned()),
+        Some(Trust::Warned) => words.push("The run of the choice warned of its accuracy.".to_owned()),
         _ => {}
     }
     words.retain(|w| !w.is_empty());

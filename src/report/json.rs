@@ -1,5 +1,5 @@
 //! JSON text of reports: numbers to twelve digits, lists of numbers on one line, so that files are small
-//! and do not change from run to run.
+//! and do not change from run to run. What was put in, the block `case`, keeps all digits.
 
 use serde_json::{Number, Value};
 
@@ -11,12 +11,15 @@ const WIDTH: usize = 110;
 /// Pretty JSON text of a report with a final line break.
 pub fn text(value: &Value) -> String {
     let mut out = String::new();
-    write(&mut out, value, 0);
+    write(&mut out, value, 0, false);
     out.push('\n');
     out
 }
 
-fn write(out: &mut String, value: &Value, indent: usize) {
+/// Key of a report under which numbers keep all digits.
+const EXACT: &str = "case";
+
+fn write(out: &mut String, value: &Value, indent: usize, exact: bool) {
     match value {
         Value::Object(map) if !map.is_empty() => {
             out.push('{');
@@ -24,7 +27,7 @@ fn write(out: &mut String, value: &Value, indent: usize) {
                 out.push_str(if i > 0 { ",\n" } else { "\n" });
                 pad(out, indent + 2);
                 out.push_str(&format!("{}: ", Value::String(key.clone())));
-                write(out, item, indent + 2);
+                write(out, item, indent + 2, exact || (indent == 0 && key == EXACT));
             }
             out.push('\n');
             pad(out, indent);
@@ -35,7 +38,7 @@ fn write(out: &mut String, value: &Value, indent: usize) {
             for (i, item) in list.iter().enumerate() {
                 out.push_str(if i > 0 { ",\n" } else { "\n" });
                 pad(out, indent + 2);
-                write(out, item, indent + 2);
+                write(out, item, indent + 2, exact);
             }
             out.push('\n');
             pad(out, indent);
@@ -45,7 +48,7 @@ fn write(out: &mut String, value: &Value, indent: usize) {
             out.push('[');
             let mut column = indent;
             for (i, item) in list.iter().enumerate() {
-                let item = plain(item);
+                let item = plain(item, exact);
                 if i > 0 {
                     out.push(',');
                     if column + item.len() + 2 > WIDTH {
@@ -61,7 +64,7 @@ fn write(out: &mut String, value: &Value, indent: usize) {
             }
             out.push(']');
         }
-        other => out.push_str(&plain(other)),
+        other => out.push_str(&plain(other, exact)),
     }
 }
 
@@ -69,9 +72,9 @@ fn pad(out: &mut String, indent: usize) {
     out.extend(std::iter::repeat_n(' ', indent));
 }
 
-fn plain(value: &Value) -> String {
+fn plain(value: &Value, exact: bool) -> String {
     match value {
-        Value::Number(n) => number(n),
+        Value::Number(n) if !exact => number(n),
         other => other.to_string(),
     }
 }
@@ -100,6 +103,13 @@ mod tests {
         let back: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(back["b"]["d"], value["b"]["d"]);
         assert_eq!(back["a"][1], json!(0.3));
+    }
+
+    #[test]
+    fn what_was_put_in_keeps_its_digits() {
+        let x = 0.1 + 0.2;
+        let text = text(&json!({ "case": { "nu": x, "list": [{ "x": [x] }] }, "results": { "case": x } }));
+        assert_eq!(text.matches("0.30000000000000004").count(), 2, "{text}");
     }
 
     #[test]

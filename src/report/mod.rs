@@ -4,4 +4,5 @@
 pub mod files;
 pub mod json;
 pub mod matrix_market;
+pub mod printable;
 pub mod table;

@@ -11,10 +11,12 @@ pub fn columns(head: &[&str], rows: &[Vec<String>]) -> String {
     let width = |c: usize| {
         rows.iter().map(|r| r[c].chars().count()).chain([head[c].chars().count()]).max().unwrap_or(0)
     };
+    // once for all rows: a line of probes has ten thousand
+    let widths: Vec<usize> = (0..head.len()).map(width).collect();
     let line = |cells: Vec<&str>| {
         let mut text = String::from(" ");
         for (c, cell) in cells.iter().enumerate() {
-            let space = width(c).saturating_sub(cell.chars().count());
+            let space = widths[c].saturating_sub(cell.chars().count());
             if c + 1 == cells.len() {
                 text += &format!(" {cell}");
             } else {
@@ -343,9 +345,14 @@ pub fn tradeoff(results: &Tradeoff) -> String {
         match reference.kind {
             "number" => "given",
             "expected" => "expected by the case",
-            _ => "the finest point, no part of the comparison",
+            _ => "the finest point without a warning, no part of the comparison",
         },
-        reference.source.as_ref().map_or(String::new(), |s| format!(": {s}")),
+        match (&reference.source, reference.error) {
+            (Some(source), _) => format!(": {source}"),
+            (None, Some(error)) =>
+                format!("; itself off by about {error:.1e}, which bounds the errors below"),
+            (None, None) => String::new(),
+        },
         results.machine.processor,
         match results.repeats {
             1 => "one run each".to_owned(),
@@ -386,14 +393,23 @@ pub fn tradeoff(results: &Tradeoff) -> String {
             Trust::Confirmed => "confirmed by",
             Trust::Unconfirmed => "not confirmed, for want of finer points",
             Trust::Refuted => "by luck: missed by one of",
+            Trust::Warned => "its run warned of its accuracy;",
         };
         let finer = match choice.finer.len() {
             0 => String::new(),
             1 => " 1 finer point".to_owned(),
             n => format!(" {n} finer points"),
         };
+        let refined = match choice.refined.is_empty() {
+            true => String::new(),
+            false => format!("; refined: {}", choice.refined.join(", ")),
+        };
+        let open = match choice.not_refined.is_empty() {
+            true => String::new(),
+            false => format!("; not refined: {}", choice.not_refined.join(", ")),
+        };
         text += &format!(
-            "\n  chosen for {target:e}: {}, error {:.2e}, {:.4} s ({trust}{finer})\n",
+            "\n  chosen for {target:e}: {}, error {:.2e}, {:.4} s ({trust}{finer}{refined}{open})\n",
             results.points[choice.point].name, choice.error, choice.wall_s
         );
     }
@@ -411,6 +427,10 @@ fn tradeoff_row(point: &TradeoffPoint, chosen: bool, reference: bool) -> Vec<Str
     }
     if point.finer_is_worse {
         name += " (a finer point is worse)";
+    }
+    let codes: Vec<&str> = point.warnings.iter().filter_map(|w| w.split(':').next()).collect();
+    if !codes.is_empty() {
+        name += &format!(" (warned: {})", codes.join(", "));
     }
     let mark = match (chosen, point.pareto, reference) {
         (true, ..) => "chosen",

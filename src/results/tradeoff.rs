@@ -54,6 +54,11 @@ pub struct TradeoffReference {
     /// Settings of the finest point.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub settings: Option<Map<String, Value>>,
+    /// Relative error of the finest point itself, judged by the next coarser point along every setting that refines; null
+    /// for a number from elsewhere, or where nothing coarser stands beside it.
+    pub error: Option<f64>,
+    /// What was refined towards it.
+    pub refined: Vec<&'static str>,
 }
 
 /// One combination of settings.
@@ -65,7 +70,8 @@ pub struct TradeoffPoint {
     pub settings: Map<String, Value>,
     /// The quantity.
     pub value: Option<f64>,
-    /// |value - reference| / |reference|; none for the finest point that is the reference.
+    /// |value - reference| / |reference|, but no less than the reference's own error; none for the finest point that is
+    /// the reference.
     pub error: Option<f64>,
     /// Wall time of the analysis, median.
     pub wall_s: Option<f64>,
@@ -85,6 +91,9 @@ pub struct TradeoffPoint {
     pub pareto: bool,
     /// Whether a finer point has a clearly larger error, so that this one may be small by luck.
     pub finer_is_worse: bool,
+    /// Warnings of its run that touch accuracy, `code: message`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// Why it has no value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failed: Option<String>,
@@ -103,8 +112,12 @@ pub struct TradeoffChoice {
     pub wall_s: f64,
     /// What finer points say about it.
     pub trust: Trust,
-    /// Indices of the finer points: all else equal, more elements or points, smaller tolerances.
+    /// Indices of the finer points: all else equal, more elements or points, richer sections, smaller tolerances.
     pub finer: Vec<usize>,
+    /// What these refine.
+    pub refined: Vec<&'static str>,
+    /// What could be refined and is not.
+    pub not_refined: Vec<&'static str>,
 }
 
 /// What finer points say about the error of a point.
@@ -117,4 +130,6 @@ pub enum Trust {
     Unconfirmed,
     /// One of them misses the target: its error is small by luck.
     Refuted,
+    /// Its run warned of its accuracy.
+    Warned,
 }

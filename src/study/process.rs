@@ -1,7 +1,7 @@
 //! One point of a study: the program itself, run on the point's case in a folder of its own.
 
-use super::store::PointOutcome;
-use crate::analysis::tradeoff::Measurement;
+use super::store::{PointOutcome, words};
+use crate::analysis::tradeoff::{Measurement, is_of_accuracy};
 use crate::case::Quantity;
 use crate::error::{Error, Result};
 use crate::validate::lookup;
@@ -154,7 +154,20 @@ fn measurement(task: &Task<'_>, out: &Path) -> std::result::Result<Measurement, 
         degrees_of_freedom: unknowns.ok_or("its report has no number of unknowns")?,
         steps: report["results"]["integrator"]["steps"].as_u64(),
         estimated_error: report["model"]["estimated_error"].as_f64(),
+        warnings: warnings(&report["diagnostics"]),
+        modelled: words(&report["model"]["modelled"]),
+        left_out: words(&report["model"]["left_out"]),
     })
+}
+
+/// Warnings and errors of a report that touch the accuracy of its numbers, `code: message`.
+fn warnings(diagnostics: &Value) -> Vec<String> {
+    let text = |d: &Value| {
+        let (level, code) = (d["level"].as_str()?, d["code"].as_str()?);
+        (level != "info" && is_of_accuracy(code))
+            .then(|| format!("{code}: {}", d["message"].as_str().unwrap_or_default()))
+    };
+    diagnostics.as_array().into_iter().flatten().filter_map(text).collect()
 }
 
 /// A folder that goes when it is dropped.

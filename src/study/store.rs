@@ -24,6 +24,11 @@ pub fn key(case: &Value, analysis: &str, block: &Tradeoff, processor: &str) -> S
     Sha256::digest(whole.to_string()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
+/// The texts of a list.
+pub fn words(list: &Value) -> Vec<String> {
+    list.as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect()
+}
+
 /// A folder of finished points.
 #[derive(Debug)]
 pub struct Store {
@@ -63,6 +68,9 @@ impl Store {
             degrees_of_freedom: value["degrees_of_freedom"].as_u64()?,
             steps: value["steps"].as_u64(),
             estimated_error: value["estimated_error"].as_f64(),
+            warnings: words(&value["warnings"]),
+            modelled: words(&value["modelled"]),
+            left_out: words(&value["left_out"]),
         }))
     }
 
@@ -80,6 +88,9 @@ impl Store {
                 value["degrees_of_freedom"] = json!(found.degrees_of_freedom);
                 value["steps"] = json!(found.steps);
                 value["estimated_error"] = json!(found.estimated_error);
+                value["warnings"] = json!(found.warnings);
+                value["modelled"] = json!(found.modelled);
+                value["left_out"] = json!(found.left_out);
             }
             Err(reason) => value["failed"] = json!(reason),
         }
@@ -102,6 +113,9 @@ mod tests {
             degrees_of_freedom: 700,
             steps: Some(16),
             estimated_error: Some(1e-4),
+            warnings: vec!["rounding: few digits".to_owned()],
+            modelled: vec!["elements 34X3".to_owned()],
+            left_out: Vec::new(),
         };
         for outcome in [Ok(found), Err("no convergence".to_owned())] {
             store.write("0123", &Settings::new(), &outcome).unwrap();

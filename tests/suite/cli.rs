@@ -138,7 +138,10 @@ fn matrices_are_written_with_their_rows() {
     let folder = workplace();
     let got = rotor(folder.path(), &["matrices", "cases/two-disk-stepped.json", "--out", "m"]);
     assert!(got.status.success(), "{}", text(&got.stderr));
-    assert_eq!(files(&folder.path().join("m")), ["G.mtx", "K0.mtx", "M.mtx", "N.mtx", "matrices.json"]);
+    assert_eq!(
+        files(&folder.path().join("m")),
+        ["G.mtx", "K0.mtx", "M.mtx", "N.mtx", "matrices.cost.json", "matrices.json"]
+    );
     let sidecar: Value = serde_json::from_str(&read(folder.path().join("m/matrices.json"))).expect("JSON");
     let rows = sidecar["rows"].as_array().expect("rows");
     let mut mass = 0.0;
@@ -354,4 +357,13 @@ fn commands_of_the_readme_run() {
         commands += 1;
     }
     assert!(commands >= 5, "only {commands} commands found");
+    // git ignores what they write: everything is in reports/, where only a page is kept
+    assert_eq!(files(folder.path()), ["cases", "reports", "studies"]);
+    assert_eq!(files(&folder.path().join("cases")), files(&project().join("cases")));
+    assert_eq!(files(&folder.path().join(study)), files(&project().join(study)));
+    let ignored = read(project().join(".gitignore"));
+    assert!(
+        ignored.lines().any(|l| l == "/reports/*") && ignored.lines().any(|l| l == "!/reports/README.md")
+    );
+    assert!(!folder.path().join("reports/README.md").exists());
 }

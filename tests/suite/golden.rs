@@ -1,33 +1,38 @@
-//! Every case against the reports in `reports/` (made by `reports/remake.sh`), numbers with a tolerance.
+//! Every case against the reports in `tests/baselines/` (made by its `remake.sh`), numbers with a tolerance.
 
 use rotor::case::Case;
 use rotor::run::{Analysis, run};
 use serde_json::Value;
 use std::path::Path;
 
-/// Rounding errors, and what the path of an iteration decides: no report need repeat them.
-const NOISE: [&str; 15] = [
-    "relative_residual",
-    "crossing_difference",
-    "measured_error",
-    "residual",
-    "newton",
-    "integrator",
-    "energy",
-    "energy_J",
-    "extremes",
-    "drive_torque_N_m",
-    "reactions_N",
-    "interpolation_error",
-    "solver",
-    "gap_checks",
-    "contact_evaluations",
+/// What no report need repeat, with the reason.
+const NOISE: [(&str, &str); 13] = [
+    ("relative_residual", "what rounding leaves of an equation"),
+    ("residual", "what rounding leaves of an equation"),
+    ("crossing_difference", "the difference of two ways to the same speed: rounding"),
+    ("measured_error", "the difference of two solutions that agree: rounding"),
+    ("interpolation_error", "the difference of two solutions that agree: rounding"),
+    ("newton", "counts of an iteration, decided at a threshold"),
+    ("integrator", "counts of steps and iterations, decided at a threshold"),
+    ("solver", "counts of steps and iterations, decided at a threshold"),
+    ("gap_checks", "a count that follows the steps"),
+    ("contact_evaluations", "a count that follows the steps"),
+    ("relative_error", "the energy that is missing, far below the integrator's tolerance"),
+    ("torque_time_s", "where a flat or vibrating curve is largest"),
+    ("radius_time_s", "where a flat or vibrating curve is largest"),
 ];
 
-/// Largest number of a list, by size.
+/// Torques carry a vibration that rounding starts: processors differ by 1.2e-3 of the largest.
+const VIBRATION: f64 = 5.0;
+
+/// Blocks whose numbers are compared by the largest of the block: a small energy is a difference of large ones.
+const TOGETHER: [&str; 2] = ["energy_J", "energy"];
+
+/// Largest number of a list or block, by size.
 fn size(value: &Value) -> f64 {
     match value {
         Value::Array(list) => list.iter().map(size).fold(0.0, f64::max),
+        Value::Object(map) => map.values().map(size).fold(0.0, f64::max),
         Value::Number(n) => n.as_f64().expect("number").abs(),
         _ => 0.0,
     }
@@ -38,7 +43,9 @@ fn compare(path: &str, ours: &Value, kept: &Value, rtol: f64, floor: f64) {
     match (ours, kept) {
         (Value::Object(a), Value::Object(b)) => {
             // reactions that vanish are what rounding leaves of internal forces; the energy (over 1 m) gives their size
+            // reactions of a balanced shaft that runs up do the same: hundredths of a newton, which processors share in no digit
             let energy = b.get("strain_energy_j").map_or(0.0, size);
+            let motion = b.get("energy_J").map_or(0.0, size);
             let keys = |m: &serde_json::Map<String, Value>| m.keys().cloned().collect::<Vec<_>>();
             assert_eq!(keys(a), keys(b), "{path}");
             for (key, value) in a {
@@ -49,9 +56,12 @@ fn compare(path: &str, ours: &Value, kept: &Value, rtol: f64, floor: f64) {
                 let floor = match key.as_str() {
                     _ if power > 0 => rtol * unit.powi(power),
                     "reactions" => floor.max(1e-11 * energy),
+                    "reactions_N" => floor.max(rtol * motion),
+                    key if TOGETHER.contains(&key) => floor.max(rtol * size(value)),
                     _ => floor,
                 };
-                if !NOISE.contains(&key.as_str()) {
+                let rtol = if key.ends_with("torque_N_m") { VIBRATION * rtol } else { rtol };
+                if !NOISE.iter().any(|(noise, _)| noise == key) {
                     compare(&format!("{path}.{key}"), value, &b[key], rtol, floor);
                 }
             }
@@ -76,7 +86,7 @@ fn reports_are_as_kept() {
     let mut compared = 0;
     for path in crate::common::case_files() {
         let stem = path.file_stem().expect("name").to_string_lossy().into_owned();
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports").join(&stem);
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/baselines").join(&stem);
         let loaded = Case::load(&path, &[]).expect("case");
         let kept = [Analysis::Check, Analysis::Modes, Analysis::Campbell, Analysis::Static, Analysis::Spinup];
         for analysis in kept {
@@ -90,7 +100,7 @@ fn reports_are_as_kept() {
                 }
                 _ => true,
             };
-            assert_eq!(file.exists(), wanted, "{} (run reports/remake.sh)", file.display());
+            assert_eq!(file.exists(), wanted, "{} (run tests/baselines/remake.sh)", file.display());
             if wanted {
                 let text = std::fs::read_to_string(&file).expect("report");
                 let kept: Value = serde_json::from_str(&text).expect("JSON");
@@ -118,11 +128,11 @@ fn reports_of_scenes_are_as_kept() {
     let mut compared = 0;
     for path in crate::common::scene_files() {
         let stem = path.file_stem().expect("name").to_string_lossy().into_owned();
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports").join(&stem);
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/baselines").join(&stem);
         let loaded = Case::load(&path, &[]).expect("case");
         let file = folder.join("contact.json");
         let wanted = loaded.case.contact.as_ref().is_some_and(|c| c.until.is_none());
-        assert_eq!(file.exists(), wanted, "{} (run reports/remake.sh)", file.display());
+        assert_eq!(file.exists(), wanted, "{} (run tests/baselines/remake.sh)", file.display());
         if !wanted {
             continue;
         }

@@ -55,11 +55,24 @@ fn every_fault_names_path_value_and_remedy() {
     let many = json!(1_000_000_000);
     let table: Vec<(&str, Value, &str, &[&str])> = vec![
         // types, keys, words
-        ("materials.steel.nu", json!("0.3"), "materials.steel.nu", &["\"0.3\"", "f64"]),
-        ("title", json!(5), "title", &["5", "string"]),
-        ("shaft.segments", json!({}), "shaft.segments", &["{}"]),
+        (
+            "materials.steel.nu",
+            json!("0.3"),
+            "materials.steel.nu",
+            &["\"0.3\"", "a text in quotes does not belong here", "allowed: a number"],
+        ),
+        ("title", json!(5), "title", &["5", "allowed: a text in quotes"]),
+        ("title", json!(null), "title", &["null is no value"]),
+        ("gravity", json!([0, 1]), "gravity", &["the list has 2 entries", "a list of 3 entries"]),
+        ("disks.0.thickness_inertia", json!("no"), "disks.0.thickness_inertia", &["true or false"]),
+        (
+            "shaft.segments",
+            json!({}),
+            "shaft.segments",
+            &["{}", "an object { .. } does not belong here", "a list"],
+        ),
         ("shaft.segments.0.elements", json!(2.5), "shaft.segments.0.elements", &["2.5"]),
-        ("shaft.segments.0.elements", json!(-3), "shaft.segments.0.elements", &["-3"]),
+        ("shaft.segments.0.elements", json!(-3), "shaft.segments.0.elements", &["-3", "a whole number"]),
         ("shaft.segmets", json!([]), "shaft.segmets", &["did you mean \"segments\"", "element, segments"]),
         ("campbel", json!({}), "campbel", &["did you mean \"campbell\""]),
         ("sections.solid.raduis", json!(1), "sections.solid.raduis", &["did you mean \"radius\""]),
@@ -91,9 +104,43 @@ fn every_fault_names_path_value_and_remedy() {
             "sections.solid.radius",
             &["stress", "length", "m, mm, um, km, in"],
         ),
-        ("sections.solid.radius", json!("5"), "sections.solid.radius", &["no unit"]),
+        ("sections.solid.radius", json!("0,05 m"), "sections.solid.radius", &["decimal comma", "0.05 m"]),
+        ("sections.solid.diameter", json!(0.1), "sections.solid.diameter", &["say the same", "one of both"]),
+        ("sections.hollow.inner_diameter", json!(0.1), "sections.hollow.inner_diameter", &["say the same"]),
+        ("sections.bar.diameter", json!(0.1), "sections.bar.diameter", &["height, width"]),
+        (
+            "sections.hollow",
+            json!({ "shape": "tube", "outer_diameter": 0.1, "inner_diameter": "10 cm" }),
+            "sections.hollow.inner_diameter",
+            &["not smaller"],
+        ),
+        (
+            "sections.solid",
+            json!({ "shape": "circle", "diameter": -1 }),
+            "sections.solid.diameter",
+            &["negative"],
+        ),
+        (
+            "sections.solid",
+            json!({ "shape": "circle", "diameter": 0 }),
+            "sections.solid.diameter",
+            &["positive"],
+        ),
+        (
+            "disks",
+            json!([{ "at": 0.5, "radius": 0.1, "diameter": 0.2, "thickness": 0.1, "rho": 1 }]),
+            "disks.0.diameter",
+            &["say the same"],
+        ),
+        ("disks", json!([{ "at": 0.5, "diameter": 0.1, "rho": 1 }]), "disks.0.thickness", &["missing"]),
+        ("supports.1.stiffness", json!("1e200 N/m"), "supports.1.stiffness", &["extreme"]),
+        ("supports.1.stiffness", json!(-5), "supports.1.stiffness", &["statically unstable"]),
+        ("supports.1.damping", json!([1, 2]), "supports.1.damping.0", &["the number 1 does not fit"]),
         ("sections.solid.radius", json!("NaN m"), "sections.solid.radius", &["NaN m"]),
         ("sections.solid.radius", json!("1e999 m"), "sections.solid.radius", &["not a finite number"]),
+        ("shaft.quadrature", json!("coarse"), "shaft.quadrature", &["coarse", "exact, reduced"]),
+        ("shaft.quadrature", json!(5), "shaft.quadrature", &["the number 5 does not fit", "\"exact\""]),
+        ("shaft.quadrature", json!({ "axial": -1 }), "shaft.quadrature.axial", &["a whole number"]),
         ("sections.solid.radius", json!(null), "sections.solid.radius", &["needs \"radius\""]),
         ("campbell.speeds.to", json!("1000 m"), "campbell.speeds.to", &["length", "speed", "rpm"]),
         // ranges
@@ -241,6 +288,12 @@ fn every_fault_names_path_value_and_remedy() {
             &["number"],
         ),
         ("expected", json!([{ "path": "x", "value": 1, "source": "s" }]), "expected.0", &["rtol or atol"]),
+        (
+            "expected",
+            json!([{ "analysis": "statics", "path": "x", "value": 1, "rtol": 1, "source": "s" }]),
+            "expected.0.analysis",
+            &["no such analysis", "static"],
+        ),
     ];
     for (place, value, path, words) in table {
         let error = changed(&[(place, value.clone())])
@@ -505,4 +558,131 @@ fn the_schema_knows_every_key_of_the_cases() {
             assert!(schema.contains(&format!("\"{key}\"")), "{key}");
         }
     }
+}
+
+/// One rotor written with diameters, units run together, numbers as text, whole numbers with a point and one number for a
+/// matrix, and with radii, SI and matrices.
+#[test]
+fn forms_of_input_mean_the_same() {
+    let plain = valid();
+    let mut free = valid();
+    free["$schema"] = json!("https://example.org/case.schema.json");
+    free["sections"]["solid"] = json!({ "shape": "circle", "diameter": "10cm" });
+    free["sections"]["hollow"] =
+        json!({ "shape": "tube", "outer_diameter": "100mm", "inner_radius": "3e-2" });
+    free["shaft"]["segments"][0]["elements"] = json!(4.0);
+    free["modes"]["count"] = json!(4.0);
+    free["supports"][1]["stiffness"] = json!("100 kN/mm");
+    free["disks"][0] =
+        json!({ "at": "0.5", "mass": "10kg", "polar_inertia": "1e5 kg mm^2", "diametral_inertia": 0.06 });
+    let [a, b] = [plain, free].map(|case| build(case).unwrap_or_else(|e| panic!("{e}")));
+    assert_eq!(format!("{:?}", a.sections), format!("{:?}", b.sections));
+    assert_eq!(a.elements.len(), b.elements.len());
+    assert_eq!(format!("{:?}", a.bearings), format!("{:?}", b.bearings));
+    assert_eq!((a.disks[0].mass, a.modes), (b.disks[0].mass, b.modes));
+    assert!((a.disks[0].polar_inertia - b.disks[0].polar_inertia).abs() < 1e-15);
+    // a disk by its geometry
+    let disk = |keys: Value| {
+        let mut case = valid();
+        case["disks"] = json!([keys]);
+        build(case).unwrap_or_else(|e| panic!("{e}")).disks[0]
+    };
+    let by_radius =
+        disk(json!({ "at": 0.5, "radius": 0.2, "inner_radius": 0.05, "thickness": 0.03, "rho": 7800 }));
+    let by_diameter = disk(
+        json!({ "at": 0.5, "diameter": 0.4, "inner_diameter": "100 mm", "thickness": 0.03, "rho": 7800 }),
+    );
+    assert!((by_radius.mass - by_diameter.mass).abs() < 1e-12 && by_radius.mass > 27.0);
+    assert!((by_radius.diametral_inertia - by_diameter.diametral_inertia).abs() < 1e-12);
+}
+
+/// What is wrong with a text that is no JSON, in plain words.
+#[test]
+fn faults_of_json_are_told_in_plain_words() {
+    for (text, words) in [
+        ("{ \"title\": \"a\", }", "a comma stands before the closing bracket"),
+        ("{ title: \"a\" }", "the key has no quotes"),
+        ("{ \"gravity\": [0, 1,] }", "a comma stands before the closing bracket"),
+        ("{ \"title\": \"a\" \"source\": \"b\" }", "a comma or `}` is missing"),
+        ("{ \"gravity\": [0 1] }", "a comma or `]` is missing"),
+        ("{ \"title\" \"a\" }", "a colon is missing"),
+        ("{ \"title\": steel }", "a value is missing or is none"),
+        ("{ \"title\": .5 }", "numbers begin with a digit"),
+        ("{ \"title\": \"a\nb\" }", "control character"),
+        ("{ \"title\": \"C:\\shaft\" }", "backslash"),
+        ("{ \"title\": \"a\"", "the file ends before"),
+        ("{} {}", "something follows the end"),
+        (&"[".repeat(200), "nested too deeply"),
+        ("{ \"title\": 1e999 }", "too large"),
+        ("{ \"title\": nul }", "only true, false and null"),
+    ] {
+        let message = Case::parse("bad.json", text, &[]).unwrap_err().to_string();
+        assert!(message.starts_with("bad.json:1:") || message.starts_with("bad.json:2:"), "{message}");
+        assert!(message.contains("not valid JSON") && message.contains(words), "{text}: {message}");
+    }
+}
+
+/// A path of very many steps, wherever paths are written: refused, where it once overflowed the stack.
+#[test]
+fn paths_have_a_bounded_number_of_steps() {
+    let folder = tempfile::tempdir().unwrap();
+    let long = vec!["a"; 20_000].join(".");
+    let run = |name: &str, case: &Value, command: &str, more: &[&str]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, case.to_string()).unwrap();
+        let mut program = Command::new(env!("CARGO_BIN_EXE_rotor"));
+        program.arg(command).arg(&path).args(more).arg("--out").arg(folder.path().join("out"));
+        let got = program.output().unwrap();
+        let message = String::from_utf8_lossy(&got.stderr).into_owned();
+        assert_eq!(got.status.code(), Some(2), "{name}: {message}");
+        assert!(message.contains("20000 steps") && message.contains("at most 32"), "{name}: {message}");
+        assert!(message.len() < 2000, "{name}: {} characters", message.len());
+    };
+    run("set.json", &valid(), "check", &["--set", &format!("{long}=1")]);
+    let mut case = valid();
+    case["expected"] = json!([{ "path": "x", "value": 1, "rtol": 1, "source": "s", "set": { &long: 1 } }]);
+    run("expected.json", &case, "check", &[]);
+    let mut case = valid();
+    case["tradeoff"] = json!({
+        "analysis": "modes", "quantity": "results.modes.0.frequency_hz", "reference": "finest", "grid": { &long: [1, 2] }
+    });
+    run("grid.json", &case, "tradeoff", &[]);
+    // within the bound a path that leads nowhere is refused as before
+    let message = changed(&[(&vec!["a"; 32].join("."), json!(1))]).unwrap_err().to_string();
+    assert!(message.contains("unknown key"), "{message}");
+}
+
+/// What an analysis refuses about the model names its own place, value and what is allowed.
+#[test]
+fn refusals_of_analyses_name_their_place() {
+    use rotor::run::{Analysis, run};
+    let refused = |set: &[(&str, Value)], analysis| {
+        let overrides: Map<String, Value> =
+            set.iter().map(|(path, v)| (path.to_string(), v.clone())).collect();
+        let loaded = LoadedCase::from_value("bad.json", valid()).unwrap().with(&overrides).unwrap();
+        let error = run(&loaded, analysis, false, &|_| (), &|_, _| true).unwrap_err();
+        assert_eq!(error.exit_code(), 2, "{error}");
+        error.to_string()
+    };
+    let structural = ("shaft.element", json!("3333s"));
+    let damped = ("materials.steel.damping", json!({ "stiffness": 1e-5 }));
+    for analysis in [Analysis::Static, Analysis::Spinup] {
+        let message = refused(&[structural.clone(), damped.clone()], analysis);
+        assert!(message.starts_with("bad.json: at `materials.steel.damping.stiffness`:"), "{message}");
+        assert!(
+            message.contains("found:   0.00001") && message.contains("allowed: 0; or an element"),
+            "{message}"
+        );
+        let message = refused(&[structural.clone(), ("shaft.quadrature", json!({ "axial": 2 }))], analysis);
+        assert!(message.starts_with("bad.json: at `shaft.quadrature.axial`:"), "{message}");
+        assert!(message.contains("found:   2") && message.contains("allowed: 3 to 20"), "{message}");
+    }
+    // a rotor that floats in the rotating frame
+    let free = [("supports", json!([])), ("campbell.frame", json!("rotating")), ("spinup", json!(null))];
+    let message = refused(&free, Analysis::Campbell);
+    assert!(message.starts_with("bad.json: at `campbell.frame`:"), "{message}");
+    assert!(
+        message.contains("found:   \"rotating\"") && message.contains("allowed: \"stationary\""),
+        "{message}"
+    );
 }

@@ -24,23 +24,23 @@ use std::time::{Duration, Instant};
 const HANG: Duration = Duration::from_secs(5);
 
 /// How many mutations are tried, unless the environment says otherwise.
-fn count(default: u32) -> u32 {
+pub fn count(default: u32) -> u32 {
     std::env::var("MUTATIONS").ok().and_then(|n| n.parse().ok()).unwrap_or(default)
 }
 
 /// The same sequence in each run, so that a change is not blamed for what another sequence finds.
-fn config(cases: u32) -> ProptestConfig {
+pub fn config(cases: u32) -> ProptestConfig {
     let seed = std::env::var("PROPTEST_RNG_SEED").ok().and_then(|n| n.parse().ok()).unwrap_or(1);
     let rng_seed = RngSeed::Fixed(seed);
     ProptestConfig { cases, rng_seed, failure_persistence: None, ..ProptestConfig::default() }
 }
 
 /// The cases of the repository, two elements to a segment.
-static CASES: LazyLock<Vec<Value>> =
+pub static CASES: LazyLock<Vec<Value>> =
     LazyLock::new(|| case_files().iter().map(|path| small(path, "/shaft/segments", 2)).collect());
 
 /// The contact scenes of the repository, four elements to a body.
-static SCENES: LazyLock<Vec<Value>> =
+pub static SCENES: LazyLock<Vec<Value>> =
     LazyLock::new(|| scene_files().iter().map(|path| small(path, "/bodies", 4)).collect());
 
 /// A case with so many elements in each entry of a list.
@@ -189,7 +189,7 @@ fn apply(value: &mut Value, place: &Index, change: &Change, cases: &[Value]) {
     }
 }
 
-fn mutated(cases: &'static LazyLock<Vec<Value>>) -> impl Strategy<Value = String> {
+pub fn mutated(cases: &'static LazyLock<Vec<Value>>) -> impl Strategy<Value = String> {
     let list = prop::collection::vec((any::<Index>(), changes()), 1..5);
     (any::<Index>(), list).prop_map(|(case, list)| {
         let mut value = cases[case.index(cases.len())].clone();

@@ -395,10 +395,8 @@ fn study(members: usize, meshes: usize, crowded: bool, target: Option<f64>) -> R
             let measurement = Measurement {
                 value: 2.0 * (1.0 + error),
                 wall_s: vec![0.01 * (time + 0.4 * member).exp()],
-                peak_memory_mb: None,
                 degrees_of_freedom: 100 * mesh as u64,
-                steps: None,
-                estimated_error: None,
+                ..Measurement::default()
             };
             let settings = settings.as_object().expect("settings").clone();
             points.push(Measured { settings, outcome: Ok(measurement) });

@@ -5,7 +5,7 @@ use rotor::analysis::spinup::spinup;
 use rotor::analysis::statics::statics;
 use rotor::case::{Case, LoadedCase};
 use rotor::model::SpinupSettings;
-use rotor::units::{Damping, Inertia, Length, Mass, Rate, Speed, Stiffness, Time};
+use rotor::units::{Damping, Inertia, Length, Mass, Matrix, Rate, Speed, Stiffness, Time};
 
 const SCALE: f64 = 1e-6;
 
@@ -50,8 +50,8 @@ pub fn scaled(case: &Case, scale: f64) -> LoadedCase {
     }
     for s in &mut case.supports {
         length(&mut s.at);
-        s.stiffness = s.stiffness.map(|k| k.map(|row| row.map(|k| Stiffness(k.0 * scale))));
-        s.damping = s.damping.map(|c| c.map(|row| row.map(|c| Damping(c.0 * scale * scale))));
+        s.stiffness = s.stiffness.map(|k| Matrix(k.0.map(|row| row.map(|k| Stiffness(k.0 * scale)))));
+        s.damping = s.damping.map(|c| Matrix(c.0.map(|row| row.map(|c| Damping(c.0 * scale * scale)))));
     }
     for p in &mut case.probes {
         length(&mut p.at);

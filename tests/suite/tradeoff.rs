@@ -28,8 +28,7 @@ fn point(element: &str, elements: u64, wall_s: f64, error: f64) -> Measured {
             wall_s: vec![wall_s],
             peak_memory_mb: Some(10.0),
             degrees_of_freedom: 50 * elements,
-            steps: None,
-            estimated_error: None,
+            ..Measurement::default()
         }),
     }
 }
@@ -117,15 +116,16 @@ fn the_finest_point_is_left_out() {
         // more unknowns, but without a value
         failed("34X5", 32),
     ];
-    let (found, remarks) = judged(&points, Reference::Finest, Some(1e-3));
+    let (found, remarks) = judged(&points, Reference::Finest, Some(9e-3));
     assert_eq!((found.reference.point, found.reference.value), (Some(1), Some(1.0)));
     assert_eq!(found.reference.settings, Some(settings("34X3", 16)));
     assert_eq!(found.front, [0, 2]);
     assert_eq!(found.points[1].error, None);
     // it does not count as a point that reaches the target
     assert!(found.choice.is_none());
-    assert_eq!(codes(&remarks), ["reference-excluded", "points-failed", "error-out-of-reach"]);
-    assert!(remarks[2].message.contains("1.00e-2, with 34X3, 8 el."), "{}", remarks[2].message);
+    let told = ["reference-excluded", "reference-error", "points-failed", "error-out-of-reach"];
+    assert_eq!(codes(&remarks), told);
+    assert!(remarks[3].message.contains("1.00e-2, with 34X3, 8 el."), "{}", remarks[3].message);
 }
 
 /// Of the points with most unknowns, the one with the smallest tolerance, then the last of the grid.
@@ -367,15 +367,15 @@ fn kept(folder: &Path) -> BTreeMap<String, SystemTime> {
 #[test]
 fn a_study_reports_its_points_and_goes_on_where_it_was() {
     let folder = workplace(|case| {
-        // a point that is refused: no ring without a bore
-        case["tradeoff"]["grid"] = json!([case["tradeoff"]["grid"], { "shaft.element": ["34R23"] }]);
+        // a point without the quantity: its only mode is a rigid one
+        case["tradeoff"]["grid"] = json!([case["tradeoff"]["grid"], { "modes.count": [1] }]);
     });
     let run = ["tradeoff", "short.json", "--out", "o"];
     let got = rotor(folder.path(), &run);
     assert!(got.status.success(), "{}", text(&got.stderr));
     let table = text(&got.stdout);
     assert!(table.contains("7 points: 0 kept from an earlier run, 7 measured now"), "{table}");
-    assert!(table.contains("no value: 34R23: short.json: at `shaft.segments.0.section`"), "{table}");
+    assert!(table.contains("no value: count 1: its report has no number at results.modes"), "{table}");
     let report = read(folder.path().join("o/tradeoff.json"));
     let results = &report["results"];
     let points = results["points"].as_array().expect("points");
@@ -450,7 +450,10 @@ fn a_study_reports_its_points_and_goes_on_where_it_was() {
 /// The chosen case runs by itself and gives the number that the study gave.
 #[test]
 fn the_chosen_case_runs() {
-    let folder = workplace(|_| ());
+    let folder = workplace(|case| {
+        case["tradeoff"]["grid"] =
+            json!({ "shaft.element": ["34X2", "34X3"], "shaft.segments.0.elements": [3, 4, 8] });
+    });
     let got = rotor(folder.path(), &["tradeoff", "short.json", "--out", "o", "--error", "1e-2"]);
     assert!(got.status.success(), "{}{}", text(&got.stdout), text(&got.stderr));
     assert!(text(&got.stdout).contains("chosen for 1e-2: 34X"), "{}", text(&got.stdout));
@@ -513,7 +516,7 @@ fn an_error_out_of_reach_is_told() {
     let got = rotor(folder.path(), &["tradeoff", "short.json", "--out", "o", "--error", "1e-9"]);
     assert_eq!(got.status.code(), Some(1));
     let words = text(&got.stderr);
-    assert!(words.contains("an error of 1e-9 or less") && words.contains("the least is"), "{words}");
+    assert!(words.contains("it can't tell errors of 1e-9"), "{words}");
     let report = read(folder.path().join("o/tradeoff.json"));
     assert_eq!(report["results"]["target_error"], json!(1e-9));
     assert!(report["results"].get("choice").is_none() && !folder.path().join("o/chosen.json").exists());
@@ -587,4 +590,178 @@ fn check_tells_of_the_study() {
     let folder = workplace(|_| ());
     let got = rotor(folder.path(), &["check", "short.json", "--out", "o"]);
     assert!(text(&got.stdout).contains("a study of modes over 6 settings"), "{}", text(&got.stdout));
+}
+
+fn warned(mut point: Measured) -> Measured {
+    if let Ok(found) = &mut point.outcome {
+        found.warnings = vec!["hollow-growth: misses the growth by 24 %".to_owned()];
+    }
+    point
+}
+
+/// A point whose run warned of its accuracy is no reference and is never confirmed; the choice prefers any other.
+#[test]
+fn warnings_go_with_their_points() {
+    let all: Vec<Measured> =
+        [4, 8, 16].into_iter().map(|n| warned(point("34X3", n, n as f64, 1e-9 / n as f64))).collect();
+    let (found, remarks) = judged(&all, Reference::Finest, Some(1e-3));
+    assert_eq!((found.reference.value, found.choice.is_none()), (None, true));
+    assert!(
+        remarks
+            .iter()
+            .any(|d| d.code == "nothing-to-compare" && d.message.contains("warned of its accuracy"))
+    );
+    assert!(
+        remarks.iter().any(|d| d.code == "point-warned" && d.message.contains("every point: hollow-growth"))
+    );
+    let (found, remarks) = judged(&all, ONE, Some(1e-3));
+    assert_eq!(found.choice.expect("a choice").trust, Trust::Warned);
+    assert!(codes(&remarks).contains(&"choice-warned"));
+    let mut mixed = all;
+    mixed.push(point("34X5", 16, 90.0, 2e-4));
+    let (found, _) = judged(&mixed, ONE, Some(1e-3));
+    assert_eq!(found.choice.expect("a choice").point, 3);
+}
+
+/// The finest point is judged by the next coarser ones, bounds every error, and refuses what it can't tell.
+#[test]
+fn a_reference_has_an_error_of_its_own() {
+    // second order in the mesh: 0.64 / n^2
+    let points: Vec<Measured> =
+        [2, 4, 8, 16].into_iter().map(|n| point("34X3", n, n as f64, 0.64 / (n * n) as f64)).collect();
+    let (found, _) = judged(&points, Reference::Finest, Some(2e-2));
+    let error = found.reference.error.expect("an error");
+    assert!((error / 2.5e-3 - 1.0).abs() < 0.02, "{error}");
+    assert_eq!(found.reference.refined, ["mesh"]);
+    let choice = found.choice.expect("a choice");
+    assert_eq!((choice.refined, choice.not_refined), (vec![], vec!["mesh", "section order"]));
+    let (found, remarks) = judged(&points, Reference::Finest, Some(5e-3));
+    assert!(found.choice.is_none() && codes(&remarks).contains(&"reference-too-coarse"));
+    // equal values are not known better than the reference
+    let lucky = [point("34X2", 16, 1.5, 1e-3), point("34X3", 8, 1.0, 0.0), point("34X3", 16, 2.0, 0.0)];
+    let (found, _) = judged(&lucky, Reference::Finest, None);
+    assert!((found.points[1].error.expect("an error") - 1e-3).abs() < 1e-12);
+    assert_eq!(found.reference.refined, ["mesh", "section order"]);
+}
+
+/// A choice says what finer points refine and what stays as it is.
+#[test]
+fn a_choice_names_what_was_refined() {
+    let points = [point("34X2", 8, 1.0, 1e-4), point("34X2", 16, 2.0, 1e-5), point("34X2", 32, 3.0, 1e-6)];
+    let (found, _) = judged(&points, ONE, Some(1e-3));
+    let choice = found.choice.expect("a choice");
+    assert_eq!((choice.trust, choice.point), (Trust::Confirmed, 0));
+    assert_eq!((choice.refined, choice.not_refined), (vec!["mesh"], vec!["section order"]));
+}
+
+#[test]
+fn members_of_the_family_are_ordered_where_one_holds_the_other() {
+    let finer = |a: &str, b: &str| is_finer(&settings(a, 8), &settings(b, 8));
+    assert!(
+        finer("34X3", "34X2")
+            && finer("34R33", "34R23")
+            && finer("34R24", "34R23")
+            && finer("34R34", "34R23")
+    );
+    assert!(
+        !finer("34X2", "34X3")
+            && !finer("34R32", "34R23")
+            && !finer("34R23", "34X3")
+            && !finer("3333c", "34X1")
+    );
+}
+
+fn fieldtest_study(stem: &str) -> rotor::case::LoadedCase {
+    crate::common::fieldtest(&format!("tradeoff/{stem}"))
+}
+
+fn run_study(stem: &str, error: &str) -> (Output, Value) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/fieldtest/tradeoff/{stem}.json"));
+    let output = Command::new(env!("CARGO_BIN_EXE_rotor"))
+        .args([
+            "tradeoff",
+            path.to_str().expect("path"),
+            "--error",
+            error,
+            "--set",
+            "tradeoff.repeats=1",
+            "--out",
+        ])
+        .arg(folder.path())
+        .output()
+        .expect("run");
+    let text = std::fs::read_to_string(folder.path().join("tradeoff.json")).unwrap_or_default();
+    (output, serde_json::from_str(&text).unwrap_or(Value::Null))
+}
+
+/// The growth of a tube with polynomials is 24 % off on every mesh (closed form 1.587943e-6 m): nothing is certified.
+#[test]
+fn a_bias_that_all_points_share_is_not_certified() {
+    for stem in ["B_meshonly", "B_poly"] {
+        let (output, report) = run_study(stem, "1e-3");
+        assert_eq!(output.status.code(), Some(1), "{stem}: {}", String::from_utf8_lossy(&output.stderr));
+        assert!(report["results"]["choice"].is_null() && report["results"]["reference"]["value"].is_null());
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(text.contains("hollow-growth") && text.contains("34R33"), "{text}");
+    }
+}
+
+/// A run-up whose radius is 4.4e-3 off (34X3 with 16 elements gives 3.67365e-4 m) is not chosen for 1e-3.
+#[test]
+fn a_coarse_study_of_a_run_up_tells_what_it_cannot() {
+    let (output, report) = run_study("C1", "1e-3");
+    let results = &report["results"];
+    assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stdout));
+    assert!(results["choice"].is_null(), "{}", results["choice"]);
+    let reference = &results["reference"];
+    let off = (reference["value"].as_f64().expect("a value") / 3.67365e-4 - 1.0).abs();
+    let told = reference["error"].as_f64().expect("an error");
+    assert!(told > off / 3.0, "{told:e} {off:e}");
+}
+
+#[test]
+fn a_study_scales_meshes_and_finds_wrong_values_before_it_runs() {
+    let base = fieldtest_study("A");
+    let with_grid = |grid: Value| {
+        let mut value = base.value.clone();
+        value["tradeoff"]["grid"] = grid;
+        study::plan(&rotor::case::LoadedCase::from_value("a.json", value).expect("a case"))
+    };
+    let plan = with_grid(json!({ "mesh": [1, 2, 4] })).expect("a plan");
+    let elements = |k: usize| -> Vec<u64> {
+        let segments = plan.points[k].case["shaft"]["segments"].as_array().expect("segments");
+        segments.iter().map(|s| s["elements"].as_u64().expect("elements")).collect()
+    };
+    assert_eq!((elements(0), elements(2)), (vec![2, 4, 2], vec![8, 16, 8]));
+    let told = |grid: Value| with_grid(grid).map(|_| ()).unwrap_err().to_string();
+    let wrong = told(json!({ "shaft.element": ["34X3", "34Y3"] }));
+    assert!(wrong.contains("tradeoff.grid.shaft.element") && wrong.contains("34Y3"), "{wrong}");
+    let wrong = told(json!({ "mesh": [0.5] }));
+    assert!(wrong.contains("tradeoff.grid.mesh") && wrong.contains("whole numbers"), "{wrong}");
+    let mut value = base.value.clone();
+    value["tradeoff"]["quantity"] = json!("results.critical_speed.0.speed_rpm");
+    let loaded = rotor::case::LoadedCase::from_value("a.json", value).expect("a case");
+    let wrong = study::plan(&loaded).map(|_| ()).unwrap_err().to_string();
+    assert!(wrong.contains("critical_speed") && wrong.contains("critical_speeds"), "{wrong}");
+}
+
+/// A scene is studied as a shaft is.
+#[test]
+fn contact_can_be_studied() {
+    let mut value = crate::common::case("double-cantilever").value.clone();
+    value.as_object_mut().expect("object").shift_remove("expected");
+    value["tradeoff"] = json!({ "analysis": "contact", "quantity": "results.largest_penetration_m", "reference": "finest",
+                                "grid": { "mesh": [1, 2] }, "repeats": 1 });
+    let folder = tempfile::tempdir().expect("a folder");
+    let case = folder.path().join("scene.json");
+    std::fs::write(&case, value.to_string()).expect("written");
+    let output = Command::new(env!("CARGO_BIN_EXE_rotor"))
+        .args(["tradeoff", case.to_str().expect("path"), "--out"])
+        .arg(folder.path().join("out"))
+        .output()
+        .expect("run");
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("contact") && text.contains("mesh x1") && !text.contains("spin:"), "{text}");
 }

@@ -282,7 +282,10 @@ impl<'a> Motion<'a> {
             last = size;
         }
         Err(Failure::Smaller(
-            format!("Newton's method did not converge (last correction {last:.1e} m)"),
+            match last.is_finite() {
+                true => format!("Newton's method did not converge (last correction {last:.1e} m)"),
+                false => "Newton's method is lost: its first correction leaves all bounds".to_owned(),
+            },
             STIFF,
         ))
     }

@@ -1,8 +1,9 @@
 //! Contact scenes: bodies and the settings of their contact.
 
-use super::Input;
+use super::{Input, MEMORY_LIMIT};
 use crate::case::{self, LoadedCase};
 use crate::error::{Error, Result};
+use crate::model::memory::scene_point;
 use crate::model::scene::{
     Action, Beam, Body, BodyLoad, ContactSettings, Enforcement, Face, Hold, PlanarSection, Scene, Stepping,
     Unused,
@@ -21,11 +22,9 @@ const ELEMENTS: usize = 20_000;
 const SPATIAL_ELEMENTS: usize = 4000;
 /// Most integration segments of a scene, each of which may need memory for its points.
 const SEGMENTS: usize = 1_000_000;
-/// Most rows of the history, summed over the bodies.
-const ROWS: usize = 10_000_000;
 /// Blocks of a shaft case that mean nothing in a scene.
-const OF_SHAFTS: [&str; 9] =
-    ["disks", "supports", "loads", "probes", "modes", "campbell", "static", "spinup", "tradeoff"];
+const OF_SHAFTS: [&str; 8] =
+    ["disks", "supports", "loads", "probes", "modes", "campbell", "static", "spinup"];
 /// Most steps of a motion.
 const STEPS: f64 = 1e8;
 
@@ -117,7 +116,7 @@ impl Input<'_> {
     }
 
     /// True when a key of the case is there and not empty.
-    fn is_written(&self, path: &str) -> bool {
+    pub(super) fn is_written(&self, path: &str) -> bool {
         let pointer = format!("/{}", path.replace('.', "/"));
         self.loaded.value.pointer(&pointer).is_some_and(|value| match value {
             Value::Null => false,
@@ -542,11 +541,16 @@ impl Input<'_> {
             );
         }
         let output = whole("output", contact.output, 2, 1_000_000)?;
-        if output * bodies.len() > ROWS {
+        let point = scene_point(bodies.len());
+        if output as f64 * point > MEMORY_LIMIT {
             return self.fault(
                 "contact.output",
-                format!("too many points for {} bodies", bodies.len()),
-                format!("2 to {}", ROWS / bodies.len()),
+                format!(
+                    "too many points for {} bodies: they need about {:.0} GB of memory",
+                    bodies.len(),
+                    output as f64 * point / 1e9
+                ),
+                format!("2 to {:.0}", (MEMORY_LIMIT / point).floor()),
             );
         }
         let corner_angle = contact.corner_angle.map_or(10.0_f64.to_radians(), |a| a.0);

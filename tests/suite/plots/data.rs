@@ -11,6 +11,8 @@ pub fn report<R>(title: &str, results: R) -> Report<R> {
             title: title.to_owned(),
             file: "jeffcott_6m.json".to_owned(),
             sha256: "3f2a77aa10b7c5d2e9f8".to_owned(),
+            overrides: serde_json::Map::new(),
+            effective: serde_json::Value::Null,
         },
         model: ModelSummary {
             degrees_of_freedom: 1458,
