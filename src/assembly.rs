@@ -48,6 +48,14 @@ pub struct Parts {
     pub nodal: Vec<Contribution>,
 }
 
+/// One direction of a bearing's stiffness.
+pub struct Spring {
+    /// The displacement it feels, as a row over coordinates before constraints.
+    pub row: Vec<(usize, f64)>,
+    /// N/m, above zero.
+    pub stiffness: f64,
+}
+
 impl Parts {
     /// `A J`, `J u = e_x x u` on every vector.
     pub fn times_cross(mut self) -> Self {
@@ -208,6 +216,45 @@ impl<'a> Assembly<'a> {
         self.build(Some(&|_, m| m.stiffness.clone()), nodal)
     }
 
+    /// The bearings' symmetric stiffness as springs along its principal directions.
+    pub fn springs(&self) -> Vec<Spring> {
+        let mut springs = Vec::new();
+        for bearing in &self.model.bearings {
+            let [y, z] = support::bearing_rows(self.model, &self.numbering, bearing);
+            let [[kyy, off], [_, kzz]] = symmetric_part(bearing.stiffness);
+            // a turn by half the angle of (kyy - kzz, 2 off); none where y and z are uncoupled
+            let (sin, cos) =
+                if off == 0.0 { (0.0, 1.0) } else { (off.atan2((kyy - kzz) / 2.0) / 2.0).sin_cos() };
+            let along = |a: f64, b: f64| -> Vec<(usize, f64)> {
+                let scaled = |row: &[(usize, f64)], by: f64| -> Vec<(usize, f64)> {
+                    row.iter().filter(|_| by != 0.0).map(|&(i, w)| (i, by * w)).collect()
+                };
+                [scaled(&y, a), scaled(&z, b)].concat()
+            };
+            let law = |a: f64, b: f64| a * a * kyy + 2.0 * a * b * off + b * b * kzz;
+            for (a, b) in [(cos, sin), (-sin, cos)] {
+                let stiffness = law(a, b);
+                let rounding = if off == 0.0 { 0.0 } else { 16.0 * f64::EPSILON * (kyy + kzz) };
+                if stiffness > rounding {
+                    springs.push(Spring { row: along(a, b), stiffness });
+                }
+            }
+        }
+        springs
+    }
+
+    /// Stiffness of shaft, hubs and some of the [`Self::springs`].
+    pub fn stiffness_on<'s>(&self, springs: impl Iterator<Item = &'s Spring>) -> Sparse {
+        let mut parts = self.elastic_parts();
+        parts.nodal.extend(springs.map(|spring| Contribution {
+            coordinates: spring.row.iter().map(|(i, _)| *i).collect(),
+            matrix: Mat::from_fn(spring.row.len(), spring.row.len(), |i, j| {
+                spring.stiffness * spring.row[i].1 * spring.row[j].1
+            }),
+        }));
+        self.add_up(&parts)
+    }
+
     /// Stiffness of the bearings, skew part included.
     pub fn bearing_stiffness(&self) -> Sparse {
         self.build(None, self.bearings(|b| b.stiffness))
@@ -288,6 +335,27 @@ impl<'a> Assembly<'a> {
                 + &m.gyroscopic * faer::Scale(material.mass_damping / 2.0)
         };
         self.build(self.has_material_damping().then_some(&material), Vec::new())
+    }
+
+    /// `beta K` of the materials, the part of [`Self::damping`] that strain rates feel.
+    pub fn strain_damping(&self) -> Sparse {
+        let strain =
+            |material: &Material, m: &ElementMatrices| &m.stiffness * faer::Scale(material.stiffness_damping);
+        self.build(self.has_viscosity().then_some(&strain), Vec::new())
+    }
+
+    /// `beta K (D_theta - J)`, the same part of [`Self::circulatory`].
+    pub fn strain_circulatory(&self) -> Sparse {
+        let strain = |material: &Material, m: &ElementMatrices| {
+            &m.stiffness
+                * convection(m.stiffness.nrows(), self.basis_of(m))
+                * faer::Scale(material.stiffness_damping)
+        };
+        self.build(self.has_viscosity().then_some(&strain), Vec::new())
+    }
+
+    fn has_viscosity(&self) -> bool {
+        self.model.materials.iter().any(|m| m.stiffness_damping != 0.0)
     }
 
     /// What spin adds to the damping forces in the rotating frame, per unit spin speed, on displacements:
@@ -515,16 +583,18 @@ impl<'a> Assembly<'a> {
         })
     }
 
-    /// What the rotations among the rigid motions make of a displacement z, in columns in the order of
-    /// [`Self::rigid_motions`]; zero for translations.
-    pub fn turned_by_rigid_motions(&self, z: &[f64]) -> Mat<f64> {
+    /// What the rotations of rigid motions (in free coordinates, in columns) make of a displacement z: their turn, which any
+    /// section tells, times the displacement.
+    pub fn turned_by(&self, motions: &Mat<f64>, z: &[f64]) -> Mat<f64> {
         let q = self.expand(z);
-        let combinations = self.rigid_combinations();
-        let l = self.model.length;
-        let columns: Vec<Vec<f64>> = combinations
-            .iter()
-            .map(|c| {
-                let (x, y, z) = (c[3] / l, c[4] / l, c[5] / l);
+        let r = self.model.reference_length;
+        let columns: Vec<Vec<f64>> = motions
+            .col_iter()
+            .map(|motion| {
+                let motion = self.expand(&motion.iter().copied().collect::<Vec<_>>());
+                let at =
+                    |vector: usize, component: usize| motion[self.numbering.index(0, vector, component)] / r;
+                let (x, y, z) = (at(1, 2), at(2, 0), -at(1, 0));
                 let turned = q
                     .chunks_exact(3)
                     .flat_map(|u| [y * u[2] - z * u[1], z * u[0] - x * u[2], x * u[1] - y * u[0]]);
@@ -537,8 +607,21 @@ impl<'a> Assembly<'a> {
     /// Rigid motions that no constraint and no bearing stiffness resists: their names, and the free
     /// coordinates in columns.
     pub fn rigid_motions(&self) -> (Vec<String>, Mat<f64>) {
+        let (springs, coupled) = (self.springs(), self.coupled_rows());
+        self.rigid_motions_on(&springs.iter().map(|s| &s.row).chain(&coupled).collect::<Vec<_>>())
+    }
+
+    /// Displacements that cross-coupling acts between, as rows over coordinates before constraints.
+    fn coupled_rows(&self) -> Vec<Vec<(usize, f64)>> {
+        let coupled = self.model.bearings.iter().filter(|b| b.stiffness[0][1] != b.stiffness[1][0]);
+        coupled.flat_map(|b| support::bearing_rows(self.model, &self.numbering, b)).collect()
+    }
+
+    /// Rigid motions that no constraint resists and for which none of the displacements `held` (rows over coordinates
+    /// before constraints) is above zero.
+    pub fn rigid_motions_on(&self, held: &[&Vec<(usize, f64)>]) -> (Vec<String>, Mat<f64>) {
         let motions = self.all_rigid_motions();
-        let null = self.rigid_combinations();
+        let null = self.rigid_combinations(held);
         let names = null.iter().map(motion_name).collect();
         let columns: Vec<Vec<f64>> = null
             .iter()
@@ -552,7 +635,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// The same as combinations of the six rigid motions.
-    fn rigid_combinations(&self) -> Vec<[f64; 6]> {
+    fn rigid_combinations(&self, held: &[&Vec<(usize, f64)>]) -> Vec<[f64; 6]> {
         let motions = self.all_rigid_motions();
         let mut rows: Vec<[f64; 6]> = Vec::new();
         for (node, row) in &self.constraints {
@@ -561,18 +644,8 @@ impl<'a> Assembly<'a> {
                 row.iter().zip(&motions[m][at.clone()]).map(|(a, b)| a * b).sum()
             }));
         }
-        for bearing in &self.model.bearings {
-            let [y, z] = support::bearing_rows(self.model, &self.numbering, bearing);
-            let felt =
-                |row: &[(usize, f64)], m: usize| row.iter().map(|&(i, w)| w * motions[m][i]).sum::<f64>();
-            let [[kyy, kyz], [kzy, kzz]] = bearing.stiffness;
-            for [a, b] in [[kyy, kyz], [kzy, kzz], [kyy, kzy], [kyz, kzz]] {
-                let scale = a.abs().max(b.abs());
-                if scale > 0.0 {
-                    rows.push(std::array::from_fn(|m| (a * felt(&y, m) + b * felt(&z, m)) / scale));
-                }
-            }
-        }
+        let felt = |row: &[(usize, f64)], m: usize| row.iter().map(|&(i, w)| w * motions[m][i]).sum::<f64>();
+        rows.extend(held.iter().map(|row| std::array::from_fn(|m| felt(row, m))));
         null_space(&rows)
     }
 }

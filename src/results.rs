@@ -121,7 +121,9 @@ pub enum Whirl {
     Forward,
     /// Against the spin.
     Backward,
-    /// Neither (planar, torsional, axial).
+    /// Partly with and partly against it, or in a plane: the circularity is below a hundredth.
+    Mixed,
+    /// No waves around the axis that could travel (torsion, axial motion, breathing), or no oscillation.
     None,
 }
 
@@ -205,9 +207,10 @@ pub struct Campbell {
     pub critical_speeds: Vec<CriticalSpeed>,
     /// Excitation orders drawn besides the speed itself, e.g. 2 for 2x.
     pub orders: Vec<f64>,
-    /// Speeds at which a motion grows (consistent form only).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub unstable_ranges: Option<Vec<UnstableRange>>,
+    /// Speeds at which a motion grows.
+    pub unstable_ranges: Vec<UnstableRange>,
+    /// Lowest speed at which a motion grows; null if none does within the sweep, or if rounding hides it.
+    pub stability_threshold_rad_s: Option<f64>,
     /// Accuracy of the reduced model.
     pub reduction: Reduction,
 }
@@ -223,7 +226,7 @@ pub struct UnstableRange {
     pub from_rpm: f64,
     /// Upper end.
     pub to_rpm: f64,
-    /// Name of the branch.
+    /// Name of the branch; "not oscillating" or "beyond the branches" for what none of them follows.
     pub branch: String,
     /// Largest real part of the eigenvalue inside.
     pub largest_growth_rate_1_s: f64,
@@ -232,15 +235,20 @@ pub struct UnstableRange {
 /// One whirl branch over speed.
 #[derive(Debug, Clone, Serialize)]
 pub struct Branch {
-    /// Short name, e.g. "1B" or "2F" (number of the bending pair, sense), "T1", "A1", "S1".
+    /// Short name from its place at standstill, e.g. "1B" or "2F" (number of the bending pair, and which of the pair: the one
+    /// that spin makes whirl backward or forward if the supports are the same all around), "T1", "A1", "S1", "R1".
     pub name: String,
-    /// Sense of the orbit.
+    /// Sense at most of the speeds at which it is forward or backward.
     pub whirl: Whirl,
-    /// What the branch mainly moves.
+    /// Sense at each speed.
+    pub whirl_at_speed: Vec<Whirl>,
+    /// What the branch mainly moves at standstill.
     pub kind: ModeKind,
+    /// Speeds (rad/s) of the sweep at which it is overdamped: it creeps back to rest, or away from it, without oscillating.
+    pub overdamped: Vec<f64>,
     /// Damped frequency at each speed; null where the branch does not oscillate or was lost.
     pub frequency_rad_s: Vec<Option<f64>>,
-    /// Logarithmic decrement at each speed; positive when stable.
+    /// Logarithmic decrement at each speed; positive when stable, null where rounding hides its sign.
     pub log_decrement: Vec<Option<f64>>,
 }
 

@@ -94,8 +94,13 @@ pub fn plan(loaded: &LoadedCase) -> Result<Plan> {
     }
     let analysis = block.analysis.name();
     if run::is_scene(loaded) != (block.analysis == StudyAnalysis::Contact) {
-        let problem = if run::is_scene(loaded) { "the case is a contact scene" } else { "the case is a shaft" };
-        let allowed = if run::is_scene(loaded) { "\"contact\"" } else { "\"modes\", \"campbell\", \"static\", \"spinup\"" };
+        let problem =
+            if run::is_scene(loaded) { "the case is a contact scene" } else { "the case is a shaft" };
+        let allowed = if run::is_scene(loaded) {
+            "\"contact\""
+        } else {
+            "\"modes\", \"campbell\", \"static\", \"spinup\""
+        };
         return Err(loaded.fault("tradeoff.analysis", problem, allowed));
     }
     if !block.quantity.path().starts_with("results.") {
@@ -214,12 +219,20 @@ fn written_out(loaded: &LoadedCase, settings: &Settings) -> Result<Settings> {
             continue;
         }
         let Some(factor) = value.as_u64().filter(|f| (1..=10_000).contains(f)) else {
-            return Err(grid_fault(loaded, path, value, "the mesh has no such factor", "whole numbers from 1 to 10000"));
+            return Err(grid_fault(
+                loaded,
+                path,
+                value,
+                "the mesh has no such factor",
+                "whole numbers from 1 to 10000",
+            ));
         };
         let segments = loaded.case.shaft.iter().flat_map(|s| &s.segments).map(|s| u64::from(s.elements));
         let bodies = loaded.case.bodies.iter().map(|b| u64::from(b.elements));
-        let list: [(&str, Vec<u64>); 2] = [("shaft.segments", segments.collect()), ("bodies", bodies.collect())];
-        for (i, (place, elements)) in list.iter().flat_map(|(p, l)| l.iter().map(move |n| (p, n))).enumerate() {
+        let list: [(&str, Vec<u64>); 2] =
+            [("shaft.segments", segments.collect()), ("bodies", bodies.collect())];
+        for (i, (place, elements)) in list.iter().flat_map(|(p, l)| l.iter().map(move |n| (p, n))).enumerate()
+        {
             all.insert(format!("{place}.{i}.elements"), Value::from(elements.saturating_mul(factor)));
         }
     }

@@ -4,6 +4,7 @@
 //! measured against the unreduced problem at the highest speed; critical speeds are solved directly and
 //! cross-checked with the sweep. Source: docs/theory.md section 6.
 
+use super::branches::mostly;
 use super::character::Character;
 use super::critical::{self, Criticals};
 use super::estimates::{refuse_dependent, refuse_tiny_bore};
@@ -11,23 +12,19 @@ use super::operators::Operators;
 use super::reduced::{Reduced, Solution, Whirling};
 use super::remarks::{describe_model, offset_remark, refusal, speed_remarks};
 use super::spectrum::{Flexibility, Spectrum};
-use super::stiffening::{Stiffening, burst};
-use super::tracking::{Continuation, follow};
+use super::stiffening::{Stiffening, burst, burst_of};
 use super::{Outcome, ignored_input, model_remarks, summary};
 use crate::assembly::Assembly;
 use crate::error::{Error, Result};
 use crate::linalg::factor::Ldlt;
 use crate::linalg::sparse::combine;
 use crate::model::{CampbellSettings, Form, Gyroscopic, Model, WhirlFrame};
-use crate::results::{Branch, Campbell, Diagnostic, ModeKind, Reduction, Whirl};
+use crate::results::{Branch, Campbell, Diagnostic, Reduction};
 use faer::c64;
 use rayon::prelude::*;
-use std::f64::consts::TAU;
 
 /// Branches followed beyond those reported, to name the critical speeds they pass.
-const SPARE: usize = 8;
-/// Share of a circular orbit's angular momentum from which a motion counts as a whirl.
-const WHIRLING: f64 = 1e-3;
+pub(super) const SPARE: usize = 8;
 /// Energy norm of the imbalance at which an unreduced motion counts as solved; its frequency's error is
 /// the square.
 const BALANCE: f64 = 1e-6;
@@ -75,11 +72,14 @@ pub fn campbell(
     refuse_supports(&assembly, &spectrum, settings)?;
     let highest = settings.speeds.last().copied().unwrap_or(0.0);
     let stiffening = match settings.form {
-        Form::Consistent if highest > 0.0 => Some(Stiffening::new(model, &spectrum, highest)?),
+        Form::Consistent if highest > 0.0 => {
+            let stiffening = Stiffening::new(model, &spectrum, highest);
+            Some(stiffening.map_err(|error| burst_of(model, error, highest))?)
+        }
         _ => None,
     };
     let operators = Operators::new(&assembly, &spectrum, settings.frame, settings.gyroscopic, stiffening);
-    refuse_burst(&operators, &spectrum, highest)?;
+    refuse_burst(&operators, &spectrum, highest).map_err(|error| burst_of(model, error, highest))?;
     let reduced = Reduced::new(&operators, &spectrum, basis - corrected, corrected)?;
     let criticals = if highest > 0.0 && (operators.is_conservative() || operators.is_rotating()) {
         Some(critical::critical_speeds(&operators, &spectrum, highest)?)
@@ -90,20 +90,17 @@ pub fn campbell(
     let solver = Solver { operators: &operators, spectrum: &spectrum, reduced: &reduced, settings, speeds };
 
     let sweep = solver.sweep(progress)?;
-    let mut branches = solver.track(&sweep, &mut diagnostics)?;
     let character = Character::new(&assembly)?;
-    solver.describe(&sweep, &mut branches, &character)?;
+    let branches = solver.track(&sweep, &character, &mut diagnostics)?;
 
     let axisymmetric = model.is_axisymmetric();
     let critical_speeds =
         solver.critical_speeds(criticals, axisymmetric, &sweep, &branches, &character, &mut diagnostics)?;
-    let unstable_ranges = match settings.form {
-        Form::Classical => None,
-        Form::Consistent => Some(solver.unstable_ranges(&sweep, &branches)?),
-    };
+    let unstable_ranges = solver.unstable_ranges(&sweep, &branches)?;
+    let stability_threshold_rad_s = solver.threshold(&unstable_ranges, &sweep, &branches, &mut diagnostics);
     let measured_error = solver.measured_error(&sweep, &mut diagnostics)?;
     offset_remark(model, settings, &mut diagnostics);
-    speed_remarks(model, highest, &branches, unstable_ranges.as_deref(), &mut diagnostics);
+    speed_remarks(model, highest, &unstable_ranges, &mut diagnostics);
 
     let mass = super::check::properties(model).mass();
     let mut model_summary = summary(model, assembly.size(), mass);
@@ -135,6 +132,7 @@ pub fn campbell(
         critical_speeds,
         orders: settings.orders.clone(),
         unstable_ranges,
+        stability_threshold_rad_s,
         reduction: Reduction {
             basis: settings.reduction.map(|_| reduced.size()),
             measured_error,
@@ -179,8 +177,9 @@ fn refuse_burst(operators: &Operators, spectrum: &Spectrum, highest: f64) -> Res
         return Ok(());
     }
     let holds = |speed: f64| -> Result<bool> {
-        let rigid = spectrum.flexibility.rigid.clone();
-        let k = Flexibility::new(&operators.stiffness_at(speed), &operators.mass, rigid)?;
+        // what soft bearings hold is held
+        let loose = spectrum.flexibility.loose_motions();
+        let k = Flexibility::new(&operators.stiffness_at(speed), &operators.mass, loose)?;
         Ok(k.unstable_directions() == 0)
     };
     if holds(highest)? {
@@ -194,10 +193,13 @@ fn refuse_burst(operators: &Operators, spectrum: &Spectrum, highest: f64) -> Res
     Err(burst(low, "K_T - Omega^2 N, which is no longer positive definite"))
 }
 
-/// The speeds asked for and, in the rotating frame, one between neighbouring critical speeds that have none:
+/// The speeds asked for, standstill and, in the rotating frame, one speed between neighbouring critical speeds that have none:
 /// a rotor may be unstable there.
 fn speeds(settings: &CampbellSettings, operators: &Operators, criticals: Option<&Criticals>) -> Vec<f64> {
     let mut speeds = settings.speeds.clone();
+    if speeds.first().is_some_and(|first| *first > 0.0) {
+        speeds.insert(0, 0.0);
+    }
     if let (true, Some(criticals), [first, .., last]) =
         (operators.is_rotating(), criticals, &settings.speeds[..])
     {
@@ -216,12 +218,6 @@ fn speeds(settings: &CampbellSettings, operators: &Operators, criticals: Option<
         speeds.sort_by(f64::total_cmp);
     }
     speeds
-}
-
-/// A branch with the motions that it consists of, one for each speed.
-pub(super) struct Tracked {
-    pub branch: Branch,
-    pub motions: Vec<Option<usize>>,
 }
 
 pub(super) struct Solver<'a> {
@@ -252,7 +248,8 @@ impl Solver<'_> {
         let mut imbalance = f64::INFINITY;
         for _ in 0..6 {
             let current = refined.as_ref().unwrap_or(self.reduced);
-            let targets: Vec<Whirling> = solution.motions.iter().take(wanted).cloned().collect();
+            let targets: Vec<Whirling> =
+                solution.motions.iter().take(wanted.min(solution.oscillating)).cloned().collect();
             let (next, left) = current.refined(self.operators, self.spectrum, speed, &targets)?;
             // what no longer shrinks is rounding, and corrections of it would be noise in the basis
             let stalled = left > imbalance / 2.0 && left <= ACCEPTED;
@@ -292,154 +289,26 @@ impl Solver<'_> {
             .collect()
     }
 
-    /// Follows the lowest motions of the first speed through all others.
-    fn track(&self, sweep: &[Solution], diagnostics: &mut Vec<Diagnostic>) -> Result<Vec<Tracked>> {
-        let Some(first) = sweep.first() else { return Ok(Vec::new()) };
-        let starts: Vec<usize> = (0..first.motions.len())
-            .filter(|&i| first.motions[i].lambda.im > 0.0)
-            .take(self.settings.modes + SPARE)
-            .collect();
-        let count = starts.len();
-        let mut places: Vec<Vec<Option<usize>>> = starts.iter().map(|&i| vec![Some(i)]).collect();
-        // where each branch was seen last: (speed index, motion)
-        let mut seen: Vec<(usize, usize)> = starts.iter().map(|&i| (0, i)).collect();
-        let mut extra = 0;
-        let mut unclear: Vec<(usize, f64)> = Vec::new();
-        for (k, to) in sweep.iter().enumerate().skip(1) {
-            let mut found: Vec<Option<usize>> = vec![None; count];
-            for from in 0..k {
-                let here: Vec<usize> = (0..count).filter(|&b| seen[b].0 == from).collect();
-                if here.is_empty() {
-                    continue;
-                }
-                let followed: Vec<usize> = here.iter().map(|&b| seen[b].1).collect();
-                let Continuation { to: places, unclear: doubts, extra: more } =
-                    follow(&|speed| self.solve(speed), &sweep[from], to, &followed)?;
-                extra += more;
-                for ((&b, place), doubt) in here.iter().zip(places).zip(doubts) {
-                    found[b] = place.filter(|p| !found.contains(&Some(*p)));
-                    if doubt && b < self.settings.modes {
-                        unclear.push((b, to.speed));
-                    }
-                }
-            }
-            for b in 0..count {
-                places[b].push(found[b]);
-                if let Some(place) = found[b] {
-                    seen[b] = (k, place);
-                }
-            }
-        }
-        if extra > 0 {
-            diagnostics.push(Diagnostic::info(
-                "refined-speeds",
-                format!("{extra} extra speeds were solved between those of the sweep to follow the branches"),
-            ));
-        }
-        if let Some(&(branch, speed)) = unclear.first() {
-            diagnostics.push(Diagnostic::warning(
-                "tracking-unclear",
-                format!(
-                    "the continuation of a branch stayed unclear at {} places, first branch {} near {:.6} rad/s",
-                    unclear.len(),
-                    branch + 1,
-                    speed
-                ),
-            ));
-        }
-        Ok(places
-            .into_iter()
-            .map(|motions| {
-                let motion =
-                    |k: usize| motions[k].map(|i| &sweep[k].motions[i]).filter(|m| m.lambda.im > 0.0);
-                let branch = Branch {
-                    name: String::new(),
-                    whirl: Whirl::None,
-                    kind: ModeKind::Section,
-                    frequency_rad_s: (0..sweep.len()).map(|k| motion(k).map(|m| m.lambda.im)).collect(),
-                    log_decrement: (0..sweep.len())
-                        .map(|k| motion(k).map(|m| clean_zero(-TAU * m.lambda.re / m.lambda.im)))
-                        .collect(),
-                };
-                Tracked { branch, motions }
-            })
-            .collect())
-    }
-
-    /// Kind, whirl sense and name of each branch.
-    fn describe(
-        &self,
-        sweep: &[Solution],
-        branches: &mut [Tracked],
-        character: &Character<'_>,
-    ) -> Result<()> {
-        for tracked in branches.iter_mut() {
-            if let Some(i) = tracked.motions[0] {
-                tracked.branch.kind = self.kind(&sweep[0].motions[i], character);
-            }
-            let kind = tracked.branch.kind;
-            let moments: Vec<f64> = tracked
-                .motions
-                .iter()
-                .zip(sweep)
-                .filter_map(|(place, solution)| {
-                    place.map(|i| self.momentum(&solution.motions[i], solution.speed, kind))
-                })
-                .collect();
-            // seen from the shaft, branches that veer change their sense: what they mostly do counts
-            let mean = moments.iter().sum::<f64>() / moments.len().max(1) as f64;
-            let strongest =
-                moments.iter().copied().fold(0.0, |m: f64, v| if v.abs() > m.abs() { v } else { m });
-            let momentum = if self.operators.is_rotating() { mean } else { strongest };
-            tracked.branch.whirl = sense(momentum, tracked.branch.kind);
-        }
-        let mut counts: Vec<(ModeKind, Whirl, usize)> = Vec::new();
-        for tracked in branches.iter_mut() {
-            let (kind, whirl) = (tracked.branch.kind, tracked.branch.whirl);
-            let number = match counts.iter_mut().find(|c| (c.0, c.1) == (kind, whirl)) {
-                Some(entry) => {
-                    entry.2 += 1;
-                    entry.2
-                }
-                None => {
-                    counts.push((kind, whirl, 1));
-                    1
-                }
-            };
-            tracked.branch.name = name(kind, whirl, number);
-        }
-        Ok(())
-    }
-
-    /// Angular momentum of a motion about x as seen from the stationary frame, over that of circular orbits of
-    /// the same size, in [-1, 1].
-    fn momentum(&self, motion: &Whirling, speed: f64, kind: ModeKind) -> f64 {
-        let momentum = self.reduced.momentum(motion);
-        if !self.operators.is_rotating() || kind != ModeKind::Bending {
-            return momentum;
-        }
-        let (forward, backward) = ((1.0 + momentum) / 2.0, (1.0 - momentum) / 2.0);
-        let (fast, slow) = (motion.lambda.im + speed, motion.lambda.im - speed);
-        let size = fast * forward + slow.abs() * backward;
-        if size > 0.0 { (fast * forward - slow * backward) / size } else { 0.0 }
-    }
-
     /// The values of a branch at the speeds asked for.
     fn at_asked_speeds(&self, branch: Branch) -> Branch {
-        let keep = |list: &[Option<f64>]| -> Vec<Option<f64>> {
-            let asked = |speed: &f64| self.settings.speeds.contains(speed);
-            list.iter().zip(&self.speeds).filter(|(_, speed)| asked(speed)).map(|(v, _)| *v).collect()
-        };
+        fn keep<T: Copy>(list: &[T], asked: &[bool]) -> Vec<T> {
+            list.iter().zip(asked).filter(|(_, asked)| **asked).map(|(value, _)| *value).collect()
+        }
+        let asked: Vec<bool> = self.speeds.iter().map(|speed| self.settings.speeds.contains(speed)).collect();
+        let whirl_at_speed = keep(&branch.whirl_at_speed, &asked);
         Branch {
-            frequency_rad_s: keep(&branch.frequency_rad_s),
-            log_decrement: keep(&branch.log_decrement),
+            whirl: mostly(&whirl_at_speed),
+            whirl_at_speed,
+            frequency_rad_s: keep(&branch.frequency_rad_s, &asked),
+            log_decrement: keep(&branch.log_decrement, &asked),
+            overdamped: branch
+                .overdamped
+                .iter()
+                .copied()
+                .filter(|s| self.settings.speeds.contains(s))
+                .collect(),
             ..branch
         }
-    }
-
-    fn kind(&self, motion: &Whirling, character: &Character<'_>) -> ModeKind {
-        let shape = self.reduced.shapes(std::slice::from_ref(motion));
-        character.of(&shape.col(0).iter().copied().collect::<Vec<_>>()).1
     }
 
     /// Largest relative difference of a reported frequency to the unreduced one at the highest speed, and
@@ -453,7 +322,7 @@ impl Solver<'_> {
                 format!("the unreduced problem at the highest speed was solved to an imbalance of {imbalance:.1e} only"),
             ));
         }
-        let count = self.settings.modes.min(last.motions.len()).min(exact.motions.len());
+        let count = self.settings.modes.min(last.oscillating).min(exact.oscillating);
         if self.operators.is_conservative() && count > 0 {
             let (below, expected) = self.count(&exact, count, last.speed)?;
             if below != Some(expected) {
@@ -480,8 +349,7 @@ impl Solver<'_> {
     /// passed on the way from zero, by the sign of its energy.
     fn count(&self, exact: &Solution, count: usize, speed: f64) -> Result<(Option<usize>, usize)> {
         let frequency = |i: usize| exact.motions[i].lambda.im;
-        let candidates =
-            (count..(count + SPARE).min(exact.motions.len())).filter(|&a| frequency(a - 1) > 0.0);
+        let candidates = (count..(count + SPARE).min(exact.oscillating)).filter(|&a| frequency(a - 1) > 0.0);
         let widest = candidates
             .max_by(|&a, &b| (frequency(a) / frequency(a - 1)).total_cmp(&(frequency(b) / frequency(b - 1))));
         let Some(at) = widest else { return Ok((Some(0), 0)) };
@@ -505,39 +373,4 @@ impl Solver<'_> {
         let expected = usize::try_from(expected).unwrap_or(usize::MAX);
         Ok((Ldlt::new(&combine(&terms))?.negative_pivots(), expected))
     }
-}
-
-/// Sense of the orbit; torsional and axial motions have none (spin couples them to breathing of the
-/// section, which carries some angular momentum).
-pub(super) fn sense(momentum: f64, kind: ModeKind) -> Whirl {
-    if matches!(kind, ModeKind::Torsion | ModeKind::Axial) {
-        Whirl::None
-    } else if momentum > WHIRLING {
-        Whirl::Forward
-    } else if momentum < -WHIRLING {
-        Whirl::Backward
-    } else {
-        Whirl::None
-    }
-}
-
-/// "1F", "2B" for bending, else "T1", "A2", "S1f".
-fn name(kind: ModeKind, whirl: Whirl, number: usize) -> String {
-    let (sense, small) = match whirl {
-        Whirl::Forward => ("F", "f"),
-        Whirl::Backward => ("B", "b"),
-        Whirl::None => ("P", ""),
-    };
-    match kind {
-        ModeKind::Bending => format!("{number}{sense}"),
-        ModeKind::Torsion => format!("T{number}{small}"),
-        ModeKind::Axial => format!("A{number}{small}"),
-        ModeKind::Section => format!("S{number}{small}"),
-        ModeKind::Rigid => format!("R{number}{small}"),
-    }
-}
-
-/// Rounding of an undamped motion's decay is no decay.
-fn clean_zero(value: f64) -> f64 {
-    if value.abs() < 1e-12 { 0.0 } else { value }
 }

@@ -20,7 +20,7 @@ struct Split {
     motions: Mat<f64>,
     /// Section mass, `int m_k m_l dA`.
     mass: Mat<f64>,
-    /// Rows: coordinates along harmonics; `order[row]` is the number of waves.
+    /// Rows whose squares sum to the energy of harmonics; `order[row]` is the number of waves.
     harmonics: Mat<f64>,
     order: Vec<usize>,
 }
@@ -174,13 +174,16 @@ impl Split {
     }
 }
 
-/// Coordinates along the harmonics of a round section: rows are `(A h)^T` with `h^T A h = 1`, and the
-/// number of waves of each.
+/// Rows whose squares sum to the energy of each harmonic of a round section, and the number of waves of each row.
+///
+/// The generator T of rotations has the eigenvalues `+-i n`, whole numbers, so the part of a field with n waves is
+/// `P_n y`, `P_n = prod_(m != n) (T^2 + m^2) / (m^2 - n^2)`: no eigenproblem of the mass A, whose smallest
+/// eigenvalues are rounding on thin walls. The rows are a square root of `P_n^T A P_n`.
 fn harmonics(mass: &Mat<f64>, basis: SectionBasis) -> Result<(Mat<f64>, Vec<usize>)> {
-    let n = mass.nrows();
+    let n = 3 * mass.nrows();
     let turn = rotation_matrix(basis);
-    let full = Mat::from_fn(3 * n, 3 * n, |i, j| if i % 3 == j % 3 { mass[(i / 3, j / 3)] } else { 0.0 });
-    let generator = Mat::from_fn(3 * n, 3 * n, |i, j| {
+    let full = Mat::from_fn(n, n, |i, j| if i % 3 == j % 3 { mass[(i / 3, j / 3)] } else { 0.0 });
+    let generator = Mat::from_fn(n, n, |i, j| {
         let moved = if i % 3 == j % 3 { turn[(i / 3, j / 3)] } else { 0.0 };
         let turned = match (i / 3 == j / 3, i % 3, j % 3) {
             (true, 1, 2) => -1.0,
@@ -189,14 +192,39 @@ fn harmonics(mass: &Mat<f64>, basis: SectionBasis) -> Result<(Mat<f64>, Vec<usiz
         };
         moved - turned
     });
-    // n^2 A h = T^T A T h in coordinates where A is the identity
-    let (values, vectors) = self_adjoint(full.as_ref())?;
-    let half = Mat::from_fn(3 * n, 3 * n, |i, j| vectors[(i, j)] / values[j].sqrt());
-    let moved = &generator * &half;
-    let squares = moved.transpose() * &full * &moved;
-    let (waves, shapes) = self_adjoint(squares.as_ref())?;
-    let rows = (&full * half * shapes).transpose().to_owned();
-    Ok((rows, waves.iter().map(|v| v.max(0.0).sqrt().round() as usize).collect()))
+    let most = 1 + match basis {
+        SectionBasis::Monomials(order) => order,
+        SectionBasis::Ring { harmonics, .. } => harmonics,
+    };
+    let mut rows: Vec<Vec<f64>> = Vec::new();
+    let mut waves = Vec::new();
+    for (number, part) in projectors(&generator, most).iter().enumerate() {
+        let energy = part.transpose() * &full * part;
+        let (values, vectors) = self_adjoint(energy.as_ref())?;
+        // what is no larger than rounding carries no energy
+        let floor = values.last().copied().unwrap_or(0.0) * f64::EPSILON;
+        for k in (0..n).filter(|&k| values[k] > floor) {
+            rows.push(vectors.col(k).iter().map(|v| values[k].sqrt() * v).collect());
+            waves.push(number);
+        }
+    }
+    Ok((Mat::from_fn(rows.len(), n, |i, j| rows[i][j]), waves))
+}
+
+/// The projections on fields of 0, 1, .. `most` waves, T being the generator of rotations.
+fn projectors(generator: &Mat<f64>, most: usize) -> Vec<Mat<f64>> {
+    let n = generator.nrows();
+    let square = generator * generator;
+    let of = |waves: usize| {
+        let mut part = Mat::<f64>::identity(n, n);
+        for other in (0..=most).filter(|&m| m != waves) {
+            let (m, k) = ((other * other) as f64, (waves * waves) as f64);
+            let moved = &square * &part;
+            part = Mat::from_fn(n, n, |i, j| (moved[(i, j)] + m * part[(i, j)]) / (m - k));
+        }
+        part
+    };
+    (0..=most).map(of).collect()
 }
 
 /// Lower factor L of `density * a = L L^T`.
@@ -211,4 +239,65 @@ fn cholesky(a: &Mat<f64>, density: f64) -> Mat<f64> {
         }
     }
     l
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BASES: [SectionBasis; 6] = [
+        SectionBasis::Monomials(1),
+        SectionBasis::Monomials(3),
+        SectionBasis::Monomials(5),
+        SectionBasis::Ring { degree: 1, harmonics: 2 },
+        SectionBasis::Ring { degree: 2, harmonics: 3 },
+        SectionBasis::Ring { degree: 6, harmonics: 9 },
+    ];
+
+    /// The parts of n waves sum to the field, each is a projection, and T^2 multiplies it by -n^2.
+    #[test]
+    fn fields_are_the_sum_of_their_waves() {
+        for basis in BASES {
+            let turn = rotation_matrix(basis);
+            let n = turn.nrows();
+            let most = match basis {
+                SectionBasis::Monomials(order) => order,
+                SectionBasis::Ring { harmonics, .. } => harmonics,
+            };
+            let square = &turn * &turn;
+            let mut sum = Mat::<f64>::zeros(n, n);
+            for (waves, part) in projectors(&turn, most).iter().enumerate() {
+                let size = part.norm_max().max(1.0);
+                assert!((part * part - part).norm_max() < 1e-9 * size * size, "{basis:?} {waves}");
+                let moved = &square * part + part * faer::Scale((waves * waves) as f64);
+                assert!(moved.norm_max() < 1e-8 * size, "{basis:?} {waves}: {:.1e}", moved.norm_max());
+                sum += part;
+            }
+            assert!((sum - Mat::<f64>::identity(n, n)).norm_max() < 1e-9, "{basis:?}");
+        }
+    }
+
+    /// The harmonics hold all of the energy on walls of any thickness, also where the mass of the functions is singular to
+    /// rounding.
+    #[test]
+    fn thin_walls_have_harmonics() {
+        for basis in [SectionBasis::Monomials(3), SectionBasis::Monomials(5)] {
+            for step in 0..60 {
+                let inner = 0.2 * (1.0 - 10f64.powf(-1.0 - 4.0 * f64::from(step) / 60.0));
+                let mass = SectionProducts::new(basis, &Section::tube(0.2, inner), 0.2).plain().clone();
+                let (rows, waves) = harmonics(&mass, basis).unwrap();
+                assert!((0..rows.nrows()).all(|i| (0..rows.ncols()).all(|j| rows[(i, j)].is_finite())));
+                // a tilt of the section has one wave
+                let n = rows.ncols();
+                let tilt = Mat::from_fn(n, 1, |i, _| f64::from(i == 3));
+                let energy = |k: usize| -> f64 {
+                    let y = &rows * &tilt;
+                    (0..y.nrows()).filter(|&i| waves[i] == k).map(|i| y[(i, 0)].powi(2)).sum()
+                };
+                let total: f64 = (0..=6).map(energy).sum();
+                assert!((total / mass[(1, 1)] - 1.0).abs() < 1e-9, "{inner}: {total} {}", mass[(1, 1)]);
+                assert!(energy(1) > (1.0 - 1e-9) * total, "{inner}");
+            }
+        }
+    }
 }

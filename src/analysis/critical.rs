@@ -18,6 +18,10 @@ use crate::linalg::sparse::{Sparse, combine, multiply};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef, c64};
 
+/// Relative difference of two values up to which their vectors may be mixtures, or copies of each other.
+const NEAR: f64 = 1e-2;
+/// Relative difference of two speeds that is none.
+const EQUAL: f64 = 1e-8;
 /// Most critical speeds that are solved for.
 pub const MOST: usize = 200;
 
@@ -147,10 +151,11 @@ pub fn critical_speeds(operators: &Operators, spectrum: &Spectrum, highest: f64)
     let pencil = Pencil {
         size: parts * n,
         rank: parts * (n - n_rigid),
-        apply_k: &|x| apart(&|a| multiply(&operators.stiffness, a), x),
+        apply_k: &|x| apart(&|a| spectrum.stiffness_times(a), x),
         apply_b: &apply_b,
         solve: &solve,
         clean: &clean,
+        apart: flexibility.soft_motions().map(|soft| apart_in(parts, soft)),
     };
     let wanted = expected.min(MOST);
     let pairs = lanczos::lowest(&pencil, parts * wanted)?;
@@ -166,26 +171,52 @@ pub fn critical_speeds(operators: &Operators, spectrum: &Spectrum, highest: f64)
         let speeds = pairs.values.iter().enumerate();
         speeds.map(|(j, value)| Critical { speed: value.sqrt(), shape: shape(j) }).collect()
     } else {
-        complex_shapes(operators, pairs.values, pairs.vectors)
+        complex_shapes(spectrum, pairs.values, pairs.vectors)
     };
     let mut imbalance = 0.0_f64;
     if secant.is_some() {
-        list.iter_mut().for_each(|critical| settle(operators, critical));
+        list.iter_mut().for_each(|critical| settle(operators, spectrum, critical));
         list.sort_by(|a, b| a.speed.total_cmp(&b.speed));
         for critical in &list {
             imbalance = imbalance.max(left_over(operators, spectrum, critical));
+        }
+    }
+    if parts == 2 {
+        for equal in list.chunk_by_mut(|a, b| b.speed / a.speed - 1.0 <= EQUAL).filter(|c| c.len() > 1) {
+            circularise(operators, equal)?;
         }
     }
     let complete = list.len() == wanted && list.last().is_none_or(|c| c.speed <= highest * (1.0 + 1e-9));
     Ok(Criticals { list, complete, imbalance })
 }
 
+/// Shapes at one speed are arbitrary mixtures: chooses those that travel most clearly, the backward ones first.
+fn circularise(operators: &Operators, equal: &mut [Critical]) -> Result<()> {
+    let k = equal.len();
+    let images = |a: &Sparse| -> Vec<Vec<c64>> { equal.iter().map(|c| image(a, &c.shape)).collect() };
+    let form = |images: &[Vec<c64>]| Mat::from_fn(k, k, |i, j| product(&equal[i].shape, &images[j]));
+    let (mass, travel) = (form(&images(&operators.mass)), form(&images(&operators.travel)));
+    let (sizes, axes) = self_adjoint(mass.as_ref())?;
+    // written so that sizes that are no numbers leave the shapes as they are
+    if !(sizes[0] > 1e-6 * sizes[k - 1]) {
+        return Ok(());
+    }
+    let half = Mat::from_fn(k, k, |i, j| axes[(i, j)] / sizes[j].sqrt());
+    let turning = half.adjoint() * Mat::from_fn(k, k, |i, j| travel[(i, j)] * c64::new(0.0, -1.0)) * &half;
+    let weights = &half * self_adjoint(turning.as_ref())?.1;
+    let entry = |j: usize, at: usize| (0..k).map(|i| equal[i].shape[at] * weights[(i, j)]).sum();
+    let shapes: Vec<Vec<c64>> =
+        (0..k).map(|j| (0..equal[0].shape.len()).map(|at| entry(j, at)).collect()).collect();
+    equal.iter_mut().zip(shapes).for_each(|(critical, shape)| critical.shape = shape);
+    Ok(())
+}
+
 /// The speed at which a shape is in balance in the mean, K being that of the speed itself. The error is the
 /// square of the shape's.
-fn settle(operators: &Operators, critical: &mut Critical) {
+fn settle(operators: &Operators, spectrum: &Spectrum, critical: &mut Critical) {
     let x = &critical.shape;
     let form = |a: &Sparse| product(x, &image(a, x));
-    let stiffness = form(&operators.stiffness).re;
+    let stiffness = product(x, &energy_image(spectrum, x)).re;
     let varying: Vec<f64> = operators.varying().map(|a| form(a).re).collect();
     let inertia = if operators.is_rotating() {
         0.0
@@ -213,10 +244,13 @@ fn settle(operators: &Operators, critical: &mut Critical) {
 /// Energy norm of what a critical motion leaves out of balance, relative to the motion's.
 fn left_over(operators: &Operators, spectrum: &Spectrum, critical: &Critical) -> f64 {
     let (x, square) = (&critical.shape, critical.speed * critical.speed);
-    let mut force = image(&operators.stiffness_at(critical.speed), x);
+    let mut force = energy_image(spectrum, x);
     let mut add = |factor: c64, a: &Sparse| {
         force.iter_mut().zip(image(a, x)).for_each(|(f, image)| *f += factor * image);
     };
+    for (weight, part) in operators.weights(critical.speed).into_iter().zip(operators.varying()) {
+        add(c64::new(weight, 0.0), part);
+    }
     if !operators.is_rotating() {
         add(c64::new(-square, 0.0), &operators.mass);
         if let Some(g) = &operators.gyroscopic {
@@ -226,24 +260,25 @@ fn left_over(operators: &Operators, spectrum: &Spectrum, critical: &Critical) ->
     let forces = Mat::from_fn(x.len(), 2, |i, j| if j == 0 { force[i].re } else { force[i].im });
     let answer = spectrum.flexibility.solve(forces.clone());
     let energy: f64 = (0..2).map(|j| -> f64 { answer.col(j).transpose() * forces.col(j) }).sum();
-    (energy.max(0.0) / product(x, &image(&operators.stiffness, x)).re).sqrt()
+    (energy.max(0.0) / product(x, &energy_image(spectrum, x)).re).sqrt()
 }
 
 /// Every complex eigenvector x stands in the real problem as x and i x: keeps one of each.
-fn complex_shapes(operators: &Operators, values: Vec<f64>, vectors: Mat<f64>) -> Vec<Critical> {
+fn complex_shapes(spectrum: &Spectrum, values: Vec<f64>, vectors: Mat<f64>) -> Vec<Critical> {
     let n = vectors.nrows() / 2;
     let mut kept: Vec<(f64, Vec<c64>, Vec<c64>)> = Vec::new();
     for (j, value) in values.into_iter().enumerate() {
         let mut shape: Vec<c64> = (0..n).map(|i| c64::new(vectors[(i, j)], vectors[(i + n, j)])).collect();
-        let before = energy_image(operators, &shape);
+        let before = energy_image(spectrum, &shape);
         let length = product(&shape, &before).re;
         for (other, x, kx) in &kept {
-            if (value / other - 1.0).abs() < 1e-7 {
+            // eigenvectors of other values have no share in it
+            if (value / other - 1.0).abs() < NEAR {
                 let share = product(kx, &shape) / product(kx, x);
                 shape.iter_mut().zip(x).for_each(|(s, x)| *s -= share * x);
             }
         }
-        let image = energy_image(operators, &shape);
+        let image = energy_image(spectrum, &shape);
         if product(&shape, &image).re > 1e-6 * length {
             kept.push((value, shape, image));
         }
@@ -255,13 +290,19 @@ fn product(a: &[c64], b: &[c64]) -> c64 {
     a.iter().zip(b).map(|(a, b)| a.conj() * b).sum()
 }
 
-fn energy_image(operators: &Operators, x: &[c64]) -> Vec<c64> {
-    image(&operators.stiffness, x)
+/// `K x` at rest.
+fn energy_image(spectrum: &Spectrum, x: &[c64]) -> Vec<c64> {
+    complex(x, |parts| spectrum.stiffness_times(parts))
 }
 
 fn image(a: &Sparse, x: &[c64]) -> Vec<c64> {
+    complex(x, |parts| multiply(a, parts))
+}
+
+/// A real operator on a complex vector.
+fn complex(x: &[c64], apply: impl Fn(MatRef<'_, f64>) -> Mat<f64>) -> Vec<c64> {
     let parts = Mat::from_fn(x.len(), 2, |i, j| if j == 0 { x[i].re } else { x[i].im });
-    let image = multiply(a, parts.as_ref());
+    let image = apply(parts.as_ref());
     (0..x.len()).map(|i| c64::new(image[(i, 0)], image[(i, 1)])).collect()
 }
 
@@ -270,13 +311,20 @@ fn stack(top: MatRef<'_, f64>, bottom: MatRef<'_, f64>) -> Mat<f64> {
     Mat::from_fn(n + bottom.nrows(), top.ncols(), |i, j| if i < n { top[(i, j)] } else { bottom[(i - n, j)] })
 }
 
+/// Motions in every part of the real problem.
+fn apart_in(parts: usize, motions: MatRef<'_, f64>) -> Mat<f64> {
+    let (n, m) = (motions.nrows(), motions.ncols());
+    let entry = |i: usize, j: usize| if i / n == j / m { motions[(i % n, j % m)] } else { 0.0 };
+    Mat::from_fn(parts * n, parts * m, entry)
+}
+
 fn hstack(left: Mat<f64>, right: Mat<f64>) -> Mat<f64> {
     let n = left.ncols();
     Mat::from_fn(left.nrows(), n + right.ncols(), |i, j| if j < n { left[(i, j)] } else { right[(i, j - n)] })
 }
 
-/// Mean angular momentum of a shape about x relative to a circular orbit's, in [-1, 1].
-pub fn momentum(operators: &Operators, shape: &[c64]) -> f64 {
-    let turning = product(shape, &image(&operators.angular_momentum, shape)).im;
+/// `Im(u^H S u) / u^H M u` of a shape, see [`Operators::travel`].
+pub fn travel_of(operators: &Operators, shape: &[c64]) -> f64 {
+    let turning = product(shape, &image(&operators.travel, shape)).im;
     turning / product(shape, &image(&operators.mass, shape)).re
 }

@@ -1,6 +1,7 @@
 //! Critical speeds: solved directly, compared with what the sweep shows, and named by their branches.
 
-use super::campbell::{Solver, Tracked, sense};
+use super::branches::{Tracked, sense, travelling_waves};
+use super::campbell::Solver;
 use super::character::Character;
 use super::critical::{self, Critical, Criticals};
 use super::reduced::{Solution, Whirling};
@@ -11,6 +12,8 @@ use std::f64::consts::PI;
 
 /// Relative difference between a direct critical speed and a branch's crossing that calls for a remark.
 const MISMATCH: f64 = 1e-5;
+/// Relative difference of two speeds that is none.
+const EQUAL: f64 = 1e-8;
 /// Imbalance of a critical motion that calls for a remark.
 const IMBALANCE: f64 = 1e-3;
 
@@ -53,10 +56,13 @@ impl Solver<'_> {
         }
         let crossings = self.crossings(sweep, branches)?;
         let Some(criticals) = criticals else {
-            diagnostics.push(Diagnostic::info(
-                "damped-criticals",
-                "critical speeds are crossings of damped frequencies with 1x (damping or cross-coupling is present)",
-            ));
+            let message = if self.settings.speeds.len() > 1 {
+                "critical speeds are crossings of damped frequencies with 1x (damping or cross-coupling is present)"
+            } else {
+                "no critical speed is listed: with damping or cross-coupling they are crossings of the frequencies with 1x, which \
+                 a single speed does not show; sweep `campbell.speeds` over a range"
+            };
+            diagnostics.push(Diagnostic::info("damped-criticals", message));
             return Ok(crossings
                 .into_iter()
                 .map(|c| critical_speed(c.speed, Some(&c), c.whirl, c.kind, true, None))
@@ -65,8 +71,11 @@ impl Solver<'_> {
         let mut open: Vec<Option<Crossing>> = crossings.into_iter().map(Some).collect();
         let mut result = Vec::new();
         for Critical { speed, shape } in criticals.list.into_iter().filter(|c| c.speed >= first) {
-            let (_, kind, _) = character.of(&shape);
-            let whirl = sense(critical::momentum(self.operators, &shape), kind);
+            let (_, kind, waves) = character.of(&shape);
+            let whirl = match travelling_waves(kind, waves) {
+                0 => Whirl::None,
+                n => sense(critical::travel_of(self.operators, &shape) / n as f64),
+            };
             let distance = |c: &Crossing| (c.speed / speed - 1.0).abs();
             // of crossings equally near, the one of the same sense
             let nearest = (0..open.len()).filter_map(|i| open[i].as_ref().map(|c| (i, c))).min_by(|a, b| {
@@ -140,7 +149,7 @@ impl Solver<'_> {
             if speed < self.settings.speeds[0] || (axisymmetric && result.last().is_some_and(again)) {
                 continue;
             }
-            let (_, kind, _) = character.of(&shape);
+            let (_, kind, waves) = character.of(&shape);
             let difference = self.reduced_critical(i, speed)?.map(|found| found / speed - 1.0);
             if difference.is_none_or(|d| d.abs() > MISMATCH) {
                 diagnostics.push(Diagnostic::warning(
@@ -154,7 +163,8 @@ impl Solver<'_> {
                 whirl: Whirl::Forward,
                 kind,
             });
-            let whirl = if kind == ModeKind::Bending { Whirl::Forward } else { Whirl::None };
+            // it stands still on the shaft, so it travels with the spin
+            let whirl = if travelling_waves(kind, waves) > 0 { Whirl::Forward } else { Whirl::None };
             result.push(critical_speed(speed, partner.as_ref(), whirl, kind, false, difference));
         }
         self.count_nameless(&result, diagnostics);
@@ -193,8 +203,8 @@ impl Solver<'_> {
 
     /// Speeds at which a branch's frequency equals the spin speed, ascending.
     fn crossings(&self, sweep: &[Solution], branches: &[Tracked]) -> Result<Vec<Crossing>> {
-        let mut found = Vec::new();
-        for tracked in branches {
+        let mut found: Vec<(usize, Crossing)> = Vec::new();
+        for (place, tracked) in branches.iter().enumerate() {
             let excess: Vec<Option<f64>> = tracked
                 .branch
                 .frequency_rad_s
@@ -207,29 +217,38 @@ impl Solver<'_> {
                 if (a > 0.0) == (b > 0.0) {
                     continue;
                 }
-                let Some(place) = tracked.motions[k] else { continue };
-                let speed =
-                    self.crossing([(sweep[k - 1].speed, a), (sweep[k].speed, b)], &sweep[k].motions[place])?;
-                found.push(Crossing {
+                let Some(motion) = tracked.motions[k] else { continue };
+                let (speed, motion) =
+                    self.crossing([(sweep[k - 1].speed, a), (sweep[k].speed, b)], &sweep[k].motions[motion])?;
+                if speed < self.settings.speeds[0] {
+                    continue;
+                }
+                let crossing = Crossing {
                     speed,
                     name: tracked.branch.name.clone(),
-                    whirl: tracked.branch.whirl,
+                    whirl: self.sense(&motion, speed, tracked.waves),
                     kind: tracked.branch.kind,
-                });
+                };
+                found.push((place, crossing));
             }
         }
-        found.sort_by(|a, b| a.speed.total_cmp(&b.speed));
-        Ok(found)
+        found.sort_by(|a, b| a.1.speed.total_cmp(&b.1.speed));
+        // what is equal up to rounding stands in the order of the branches
+        for equal in found.chunk_by_mut(|a, b| b.1.speed / a.1.speed - 1.0 <= EQUAL) {
+            equal.sort_by_key(|(place, _)| *place);
+        }
+        Ok(found.into_iter().map(|(_, crossing)| crossing).collect())
     }
 
-    /// Root of frequency minus speed between two speeds, on the branch of `motion`.
-    fn crossing(&self, bracket: [(f64, f64); 2], motion: &Whirling) -> Result<f64> {
+    /// Root of frequency minus speed between two speeds, on the branch of `motion`, and the motion there.
+    fn crossing(&self, bracket: [(f64, f64); 2], motion: &Whirling) -> Result<(f64, Whirling)> {
         let [(mut a, mut fa), (mut b, mut fb)] = bracket;
         let mut speed = b;
+        let mut found = motion.clone();
         for _ in 0..30 {
             let next = (a * fb - b * fa) / (fb - fa);
             if (next - speed).abs() <= 1e-9 * next {
-                return Ok(next);
+                return Ok((next, found));
             }
             speed = next;
             let solution = self.solve(speed)?;
@@ -237,6 +256,7 @@ impl Solver<'_> {
             let Some(here) = solution.motions.iter().max_by(|p, q| alike(p).total_cmp(&alike(q))) else {
                 break;
             };
+            found = here.clone();
             let f = here.lambda.im - speed;
             if f == 0.0 {
                 break;
@@ -247,7 +267,7 @@ impl Solver<'_> {
                 (b, fb) = (speed, f);
             }
         }
-        Ok(speed)
+        Ok((speed, found))
     }
 }
 

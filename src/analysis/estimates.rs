@@ -314,7 +314,6 @@ pub fn bore_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
 pub fn rounded_energy(assembly: &Assembly<'_>) -> Option<f64> {
     let model = assembly.model;
     let (mass, stiffness) = (assembly.mass(), assembly.stiffness());
-    let (_, motions) = assembly.rigid_motions();
     let mut q = vec![0.0; assembly.numbering.len()];
     for (node, place) in model.nodes.iter().enumerate() {
         // uniform, and a wave that is in balance on a free shaft
@@ -322,7 +321,12 @@ pub fn rounded_energy(assembly: &Assembly<'_>) -> Option<f64> {
     }
     let pattern = assembly.restrict(&q);
     let load = multiply(&mass, Mat::from_fn(pattern.len(), 1, |i, _| pattern[i]).as_ref());
-    let flexibility = Flexibility::new(&stiffness, &mass, motions).ok()?;
+    let flexibility = Flexibility::at_rest(assembly, &stiffness, &mass).ok()?;
+    // beside what soft bearings answer, which is rigid
+    let load = match flexibility.soft_motions() {
+        Some(soft) => &load - multiply(&mass, soft) * (soft.transpose() * &load),
+        None => load,
+    };
     let x = flexibility.solve(load.clone());
     let energy: f64 = x.col(0).transpose() * load.col(0);
     let share = f64::EPSILON * absolute_energy(&stiffness, &x) / energy.abs();

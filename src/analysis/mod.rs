@@ -1,6 +1,7 @@
 //! The analyses: each takes a checked model and returns plain results with diagnostics.
 //! They know nothing of files, arguments or plots.
 
+mod branches;
 pub mod campbell;
 pub mod character;
 pub mod check;
@@ -14,6 +15,7 @@ mod instability;
 pub mod joint;
 pub mod matrices;
 pub mod modes;
+mod motions;
 pub mod operators;
 pub mod plausibility;
 mod points;

@@ -9,13 +9,12 @@
 //! - consistent form, stationary frame: `K = K_T(Omega) - Omega^2 N`;
 //! - consistent form, rotating frame: `K = K_T(Omega) + Omega^2 M J^2`, `G = 2 M J`.
 
-use super::spectrum::Spectrum;
+use super::spectrum::{Spectrum, mass_orthonormal};
 use super::stiffening::Stiffening;
 use crate::assembly::Assembly;
 use crate::linalg::sparse::{Sparse, combine};
 use crate::model::{Gyroscopic, WhirlFrame};
 use crate::support::bearing_rows;
-use faer::linalg::solvers::Solve;
 use faer::{Mat, Scale};
 
 /// The operators; absent ones act nowhere.
@@ -34,8 +33,14 @@ pub struct Operators {
     pub cross_coupling: Option<Sparse>,
     /// `H` per unit spin speed.
     pub circulatory: Option<Sparse>,
-    /// `W = M J`.
-    pub angular_momentum: Sparse,
+    /// `S = M (J - D_theta)`: motions with n waves around the axis that travel with the spin have `Im(u^H S u) = n u^H M u`,
+    /// those against it the negative.
+    pub travel: Sparse,
+    /// The parts of C and of H that are proportional to the shaft's stiffness, without those of its mass and of bearings: they
+    /// feel nothing of a rigid motion.
+    pub strain_damping: [Option<Sparse>; 2],
+    /// Motions of the shaft without its bearings that strain nothing, orthonormal in the mass.
+    pub unstrained: Mat<f64>,
     /// `-N` or `M J^2` in the consistent form, per unit spin speed squared.
     pub centrifugal: Option<Sparse>,
     /// `K_T - K_0` over speed in the consistent form.
@@ -45,6 +50,8 @@ pub struct Operators {
     /// What the rigid motions become as the shaft deforms: for every node of the stiffening the rotation of its
     /// displacement, in columns (zero for translations).
     pub turned_states: Vec<Mat<f64>>,
+    /// The same of the motions that only soft bearings resist.
+    pub turned_soft_states: Vec<Mat<f64>>,
 }
 
 impl Operators {
@@ -65,6 +72,7 @@ impl Operators {
             .map(|row| assembly.force(&row))
             .collect();
         let angular_momentum = assembly.angular_momentum();
+        let travel = combine(&[(1.0, &angular_momentum), (-0.5, &assembly.gyroscopic(Gyroscopic::All))]);
         let rotating = frame == WhirlFrame::Rotating;
         let turning = if rotating { Scale(2.0) * &angular_momentum } else { assembly.gyroscopic(gyroscopic) };
         let circulatory = if rotating { assembly.rotating_damping() } else { assembly.circulatory() };
@@ -72,6 +80,7 @@ impl Operators {
             .is_some()
             .then(|| if rotating { assembly.centrifugal() } else { Scale(-1.0) * assembly.spin_softening() });
         let states = stiffening.as_ref().map_or(&[][..], |s| &s.states);
+        let soft = spectrum.flexibility.soft_motions().map(|m| m.to_owned());
         Self {
             frame,
             mass: spectrum.mass.clone(),
@@ -80,10 +89,22 @@ impl Operators {
             damping: present(assembly.damping()),
             cross_coupling: present(assembly.cross_coupling()),
             circulatory: present(circulatory),
-            angular_momentum,
+            travel,
+            strain_damping: [
+                present(assembly.strain_damping()),
+                (!rotating).then(|| assembly.strain_circulatory()).and_then(present),
+            ],
+            unstrained: mass_orthonormal(&spectrum.mass, assembly.rigid_motions_on(&[]).1),
             centrifugal,
             bearing_forces: Mat::from_fn(assembly.size(), forces.len(), |i, j| forces[j][i]),
-            turned_states: turned_states(assembly, spectrum, states),
+            turned_states: states
+                .iter()
+                .map(|z| assembly.turned_by(&spectrum.flexibility.rigid, z))
+                .collect(),
+            turned_soft_states: soft
+                .iter()
+                .flat_map(|m| states.iter().map(|z| assembly.turned_by(m, z)))
+                .collect(),
             stiffening,
         }
     }
@@ -130,17 +151,4 @@ impl Operators {
         terms.extend(weights.iter().copied().zip(self.varying()));
         combine(&terms)
     }
-}
-
-/// [`Assembly::turned_by_rigid_motions`] in the order and scale of the spectrum's rigid motions.
-fn turned_states(assembly: &Assembly<'_>, spectrum: &Spectrum, states: &[Vec<f64>]) -> Vec<Mat<f64>> {
-    let motions = assembly.rigid_motions().1;
-    if motions.ncols() == 0 {
-        return Vec::new();
-    }
-    // the spectrum's are combinations `motions T` of the assembly's, orthonormal in M
-    let motions_count = motions.ncols();
-    let inverse = spectrum.flexibility.mass_rigid.transpose() * motions;
-    let combine = inverse.partial_piv_lu().solve(Mat::<f64>::identity(motions_count, motions_count));
-    states.iter().map(|z| assembly.turned_by_rigid_motions(z) * &combine).collect()
 }

@@ -5,19 +5,14 @@
 //! axial modes are off by up to 7e-4. Source: docs/theory.md section 6.
 
 use super::operators::Operators;
-use super::spectrum::{Flexibility, Spectrum};
+use super::spectrum::Spectrum;
 use super::state::AtSpeed;
 use super::stiffening::Nodes;
 use crate::error::Result;
-use crate::linalg::dense::{general, self_adjoint};
-use crate::linalg::sparse::{Sparse, multiply};
-use faer::linalg::solvers::Solve;
+use crate::linalg::dense::self_adjoint;
+use crate::linalg::sparse::{Sparse, absolute_product, combine, multiply};
 use faer::{Mat, MatRef, c64};
 
-/// Share of the imaginary part below which an eigenvalue counts as real.
-const REAL: f64 = 1e-5;
-/// Decay over frequency from which a motion does not count as an oscillation.
-const CREEP: f64 = 100.0;
 /// Corrections of which less than this share (in energy) is new are not new directions.
 const DEPENDENT: f64 = 1e-12;
 /// Share of the energy of the largest of its kind below which a correction is rounding error.
@@ -34,15 +29,38 @@ pub struct Whirling {
     pub right: Vec<c64>,
     /// Left eigenvector with `left^H right = 1`; `None` when it equals `right`.
     pub left: Option<Vec<c64>>,
+    /// What rounding may have made of the real part of lambda, 1/s; zero where there is none.
+    pub noise: f64,
 }
 
-/// The oscillating motions at one speed, by ascending frequency.
+impl Whirling {
+    /// True for a motion that grows by more than rounding.
+    pub fn grows(&self) -> bool {
+        self.lambda.re > self.noise.max(1e-13 * self.lambda.norm())
+    }
+}
+
+/// The motions at one speed.
 #[derive(Debug, Clone)]
 pub struct Solution {
     /// Spin speed, rad/s.
     pub speed: f64,
-    /// Motions.
+    /// Motions: those that oscillate by ascending frequency, then those that creep, from slow to fast (the imaginary part of
+    /// their lambda is zero).
     pub motions: Vec<Whirling>,
+    /// Number of motions that oscillate.
+    pub oscillating: usize,
+    /// Overdamped motions.
+    pub overdamped: Vec<Overdamped>,
+}
+
+/// A motion that creeps: two real eigenvalues where an oscillation would have a conjugate pair.
+#[derive(Debug, Clone, Copy)]
+pub struct Overdamped {
+    /// Frequency of its shape without damping, rad/s.
+    pub frequency: f64,
+    /// The slower of the two among the motions.
+    pub slow: usize,
 }
 
 /// The operators on a reduced basis.
@@ -62,7 +80,9 @@ pub struct Reduced {
     pub cross_coupling: Option<Mat<f64>>,
     /// `H` per unit spin speed.
     pub circulatory: Option<Mat<f64>>,
-    angular_momentum: Mat<f64>,
+    pub(super) travel: Mat<f64>,
+    /// Root of the rounding in `C` that each vector of the basis feels.
+    pub(super) strain_noise: Vec<f64>,
     /// Parts of `K(Omega) - K_0`: the centrifugal matrix, then the change at each node.
     pub varying: Vec<Mat<f64>>,
     /// What the rigid motions gain at each node, in columns.
@@ -94,6 +114,7 @@ impl Reduced {
         let mut answers: Vec<Mat<f64>> = forces
             .into_iter()
             .map(|f| {
+                let f = spectrum.without_low_modes(&f);
                 let answer = spectrum.flexibility.solve(f.clone());
                 let energy: Vec<f64> = (0..f.ncols()).map(|j| answer.col(j).transpose() * f.col(j)).collect();
                 let floor = ROUNDING * energy.iter().copied().fold(0.0, f64::max);
@@ -101,7 +122,7 @@ impl Reduced {
             })
             .collect();
         // what rigid motions become must lie in the basis, or they would gain a frequency
-        answers.extend(operators.turned_states.iter().map(|turned| {
+        answers.extend(operators.turned_states.iter().chain(&operators.turned_soft_states).map(|turned| {
             let mut turned = turned.clone();
             spectrum.flexibility.without_rigid(&mut turned);
             columns(&turned, |j| turned.col(j).norm_max() > 0.0)
@@ -109,7 +130,7 @@ impl Reduced {
         let parts: Vec<MatRef<'_, f64>> = answers.iter().map(|f| f.as_ref()).collect();
         let corrections = hstack(&parts);
         let values = &spectrum.values[..modes];
-        Self::project(operators, &spectrum.flexibility, values, kept, corrections)
+        Self::project(operators, spectrum, values, kept, corrections)
     }
 
     /// The basis extended by the static answer to what `targets` leave out of balance at `speed`, and the
@@ -139,7 +160,7 @@ impl Reduced {
             let mut on_velocity = Mat::zeros(x.nrows(), x.ncols());
             apply(&operators.damping, 1.0, &mut on_velocity);
             apply(&operators.gyroscopic, speed, &mut on_velocity);
-            let mut on_position = multiply(&operators.stiffness, x.as_ref());
+            let mut on_position = spectrum.stiffness_times(x.as_ref());
             for (weight, part) in weights.iter().zip(operators.varying()) {
                 on_position += multiply(part, x.as_ref()) * faer::Scale(*weight);
             }
@@ -158,7 +179,7 @@ impl Reduced {
             Mat::from_fn(n, 2 * m, |i, j| if j < m { residual(i, j).re } else { residual(i, j - m).im });
         let answers = spectrum.flexibility.solve(forces.clone());
         let stiffness = |x: &Mat<f64>, j: usize| -> f64 {
-            let k = multiply(&operators.stiffness, x.subcols(j, 1));
+            let k = spectrum.stiffness_times(x.subcols(j, 1));
             x.col(j).transpose() * k.col(0)
         };
         let energy = |j: usize| -> f64 { answers.col(j).transpose() * forces.col(j) };
@@ -171,30 +192,46 @@ impl Reduced {
         let (modes, earlier) = (self.basis.get(.., self.n_rigid..end), self.basis.get(.., end..));
         let values = &spectrum.values[..self.n_modes];
         let corrections = hstack(&[earlier, answers.as_ref()]);
-        Ok((Self::project(operators, &spectrum.flexibility, values, modes, corrections)?, worst))
+        Ok((Self::project(operators, spectrum, values, modes, corrections)?, worst))
     }
 
     /// Projects the operators on rigid motions, `modes` (mass-orthonormal, with diagonal stiffness `values`)
     /// and `corrections`.
     fn project(
         operators: &Operators,
-        flexibility: &Flexibility,
+        spectrum: &Spectrum,
         values: &[f64],
         modes: MatRef<'_, f64>,
         corrections: Mat<f64>,
     ) -> Result<Self> {
-        let (extra, extra_values) = independent(operators, modes, values, corrections)?;
-        let basis = hstack(&[flexibility.rigid.as_ref(), modes, extra.as_ref()]);
-        let n_rigid = flexibility.rigid.ncols();
+        let (extra, extra_values) = independent(spectrum, modes, corrections)?;
+        let rigid = spectrum.flexibility.rigid.as_ref();
+        let basis = hstack(&[rigid, modes, extra.as_ref()]);
+        let n_rigid = rigid.ncols();
         let mut frequencies = vec![0.0; n_rigid];
         frequencies.extend(values.iter().chain(&extra_values).map(|v| v.sqrt()));
         let reduce = |a: &Sparse| basis.transpose() * multiply(a, basis.as_ref());
+        // strain rates see only what strains: what cancels in a motion that is nearly rigid is taken out before
+        let straining = &basis
+            - &operators.unstrained
+                * (operators.unstrained.transpose() * multiply(&operators.mass, basis.as_ref()));
+        let with_strain = |total: &Option<Sparse>, strain: &Option<Sparse>| match (total, strain) {
+            (Some(total), Some(strain)) => {
+                let rest = combine(&[(1.0, total), (-1.0, strain)]);
+                let reduced = straining.transpose() * multiply(strain, straining.as_ref());
+                Some(reduce(&rest) + reduced)
+            }
+            (Some(total), None) => Some(reduce(total)),
+            _ => None,
+        };
+        let [strain_damping, strain_circulatory] = &operators.strain_damping;
         Ok(Self {
             gyroscopic: operators.gyroscopic.as_ref().map(|a| skew(reduce(a))),
-            damping: operators.damping.as_ref().map(reduce),
+            damping: with_strain(&operators.damping, strain_damping),
             cross_coupling: operators.cross_coupling.as_ref().map(reduce),
-            circulatory: operators.circulatory.as_ref().map(reduce),
-            angular_momentum: skew(reduce(&operators.angular_momentum)),
+            circulatory: with_strain(&operators.circulatory, strain_circulatory),
+            travel: skew(reduce(&operators.travel)),
+            strain_noise: strain_noise(strain_damping, &straining),
             varying: operators.varying().map(reduce).collect(),
             turned: operators
                 .turned_states
@@ -264,113 +301,6 @@ impl Reduced {
         Mat::from_fn(re.nrows(), re.ncols(), |i, j| c64::new(re[(i, j)], im[(i, j)]))
     }
 
-    /// All motions at a spin speed that oscillate and, in the rotating frame, those that grow without.
-    ///
-    /// # Errors
-    /// When the small eigenproblem fails, or the shaft bursts.
-    pub fn solve(&self, speed: f64) -> Result<Solution> {
-        let at = AtSpeed::new(self, speed)?;
-        let a = at.state_matrix();
-        let conservative =
-            self.damping.is_none() && self.cross_coupling.is_none() && self.circulatory.is_none();
-        let first = self.frequencies.get(self.n_rigid).copied().unwrap_or(0.0);
-        let zero = 1e-6 * first;
-        let largest = self.frequencies.iter().copied().fold(0.0, f64::max);
-        // the solver's error is a rounding of the highest frequency: far below it, sharpen
-        let sharpened = |frequency: f64, state: &[c64]| {
-            if frequency < 1e-6 * largest { at.rayleigh(state, frequency) } else { frequency }
-        };
-        let mut motions: Vec<Whirling> = if conservative && at.is_skew() {
-            let hermitian = Mat::from_fn(a.nrows(), a.ncols(), |i, j| c64::new(0.0, a[(i, j)]));
-            let (values, vectors) = self_adjoint(hermitian.as_ref())?;
-            let oscillating = (0..values.len()).filter(|&k| values[k] < -zero);
-            oscillating
-                .map(|k| {
-                    let right = column(vectors.as_ref(), k);
-                    let frequency = sharpened(-values[k], &right);
-                    Whirling { lambda: c64::new(0.0, frequency), right, left: None }
-                })
-                .collect()
-        } else {
-            let (values, vectors) = general(a.as_ref())?;
-            // rows of the inverse are the left vectors' conjugate transposes
-            let inverse = vectors.partial_piv_lu().solve(Mat::<c64>::identity(a.nrows(), a.nrows()));
-            let is_real = |k: &usize| values[*k].im.abs() <= REAL * values[*k].norm();
-            let mut kept: Vec<usize> = (0..values.len())
-                .filter(|k| values[*k].im > if self.rotating { 0.0 } else { zero })
-                .filter(|k| values[*k].norm() > zero && !is_real(k))
-                // what creeps in space turns with the speed when seen from the shaft, and two planes that creep
-                // alike are a double real value, which rounding parts
-                .filter(|k| -values[*k].re <= CREEP * values[*k].im)
-                .collect();
-            if self.rotating {
-                // a pair of frequencies that met at zero goes on as a pair on the real axis: its growing half
-                let mut real: Vec<usize> =
-                    (0..values.len()).filter(|k| is_real(k) && values[*k].norm() > zero).collect();
-                real.sort_by(|&i, &j| values[j].re.total_cmp(&values[i].re));
-                kept.extend(&real[..real.len() / 2]);
-            }
-            let motion = |k: usize| {
-                let right = column(vectors.as_ref(), k);
-                let mut lambda = values[k];
-                if self.rotating && is_real(&k) {
-                    lambda.im = 0.0;
-                } else if conservative && lambda.re.abs() <= 1e-7 * lambda.im + 1e-13 * largest {
-                    lambda = c64::new(0.0, sharpened(lambda.im, &right));
-                }
-                let left = (0..a.nrows()).map(|i| inverse[(k, i)].conj()).collect();
-                Whirling { lambda, right, left: Some(left) }
-            };
-            kept.into_iter().map(motion).collect()
-        };
-        for motion in &mut motions {
-            at.restored(&mut motion.right);
-            motion.left.iter_mut().for_each(|left| at.restored(left));
-        }
-        motions.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
-        self.circularise(&mut motions)?;
-        Ok(Solution { speed, motions })
-    }
-
-    /// Where frequencies coincide up to rounding, their motions are arbitrary mixtures: chooses those of
-    /// extreme angular momentum, the circular forward and backward orbits of an isotropic rotor. They are
-    /// what the motions become once spin parts them, and what they remain where nothing does.
-    fn circularise(&self, motions: &mut [Whirling]) -> Result<()> {
-        let largest = self.frequencies.iter().copied().fold(0.0, f64::max);
-        let same = |a: &Whirling, b: &Whirling| {
-            (a.lambda - b.lambda).norm() <= 1e-9 * a.lambda.norm() + 1e-13 * largest
-        };
-        for cluster in motions.chunk_by_mut(|a, b| same(a, b)).filter(|c| c.len() > 1) {
-            let k = cluster.len();
-            let product = |x: &[c64], y: &[c64]| -> c64 { x.iter().zip(y).map(|(x, y)| x.conj() * y).sum() };
-            let gram = Mat::from_fn(k, k, |i, j| product(&cluster[i].right, &cluster[j].right));
-            let (sizes, axes) = self_adjoint(gram.as_ref())?;
-            if sizes[0] < 1e-6 {
-                continue;
-            }
-            let root = |power: f64| {
-                let scaled = Mat::from_fn(k, k, |i, j| axes[(i, j)] * sizes[j].powf(power));
-                scaled * axes.adjoint()
-            };
-            let turned: Vec<Vec<c64>> = cluster.iter().map(|m| self.turned(&m.right)).collect();
-            let momentum =
-                Mat::from_fn(k, k, |i, j| c64::new(0.0, -1.0) * product(&cluster[i].right, &turned[j]));
-            let (_, senses) = self_adjoint((root(-0.5) * momentum * root(-0.5)).as_ref())?;
-            let mix = |vectors: Vec<Vec<c64>>, weights: &Mat<c64>| -> Vec<Vec<c64>> {
-                let entry = |j: usize, at: usize| (0..k).map(|i| vectors[i][at] * weights[(i, j)]).sum();
-                (0..k).map(|j| (0..vectors[0].len()).map(|at| entry(j, at)).collect()).collect()
-            };
-            let rights = mix(cluster.iter().map(|m| m.right.clone()).collect(), &(root(-0.5) * &senses));
-            let lefts: Option<Vec<Vec<c64>>> = cluster.iter().map(|m| m.left.clone()).collect();
-            let lefts = lefts.map(|lefts| mix(lefts, &(root(0.5) * &senses)));
-            for (j, right) in rights.into_iter().enumerate() {
-                cluster[j].right = right;
-                cluster[j].left = lefts.as_ref().map(|lefts| lefts[j].clone());
-            }
-        }
-        Ok(())
-    }
-
     /// Number of critical speeds of the rotating frame below a speed, on this basis: negative directions of K.
     ///
     /// # Errors
@@ -393,26 +323,6 @@ impl Reduced {
         });
         2.0 * motion.lambda.im * v.iter().map(|v| v.norm_sqr()).sum::<f64>() + speed * turning > 0.0
     }
-
-    /// `W v` for the velocities of a state, padded to its length.
-    fn turned(&self, state: &[c64]) -> Vec<c64> {
-        let n = self.size();
-        let row = |i: usize| (0..n).map(|j| state[j] * self.angular_momentum[(i, j)]).sum();
-        (0..state.len()).map(|i| if i < n { row(i) } else { c64::new(0.0, 0.0) }).collect()
-    }
-
-    /// Angular momentum of a motion about x over that of a circular forward orbit of the same speed, in
-    /// [-1, 1].
-    pub fn momentum(&self, motion: &Whirling) -> f64 {
-        let turned = self.turned(&motion.right);
-        let turning: f64 = motion.right.iter().zip(&turned).map(|(v, w)| (v.conj() * w).im).sum();
-        let moving: f64 = motion.right[..self.size()].iter().map(|v| v.norm_sqr()).sum();
-        if moving > 0.0 { turning / moving } else { 0.0 }
-    }
-}
-
-fn column(a: MatRef<'_, c64>, j: usize) -> Vec<c64> {
-    a.col(j).iter().copied().collect()
 }
 
 /// Removes rounding from a matrix that is skew by construction.
@@ -438,37 +348,44 @@ fn hstack(parts: &[MatRef<'_, f64>]) -> Mat<f64> {
     result
 }
 
+/// Root of `eps |y|^T |C| |y|` for every column y.
+fn strain_noise(damping: &Option<Sparse>, straining: &Mat<f64>) -> Vec<f64> {
+    let of = |j: usize| {
+        let y: Vec<f64> = straining.col(j).iter().map(|v| v.abs()).collect();
+        let image = damping.as_ref().map(|c| absolute_product(c, &y));
+        let energy: f64 = image.iter().flatten().zip(&y).map(|(a, b)| a * b).sum();
+        (f64::EPSILON * energy).sqrt()
+    };
+    (0..straining.ncols()).map(of).collect()
+}
+
 /// The part of `corrections` that is new beside `modes`, mass-orthonormal and with diagonal stiffness.
 fn independent(
-    operators: &Operators,
+    spectrum: &Spectrum,
     modes: MatRef<'_, f64>,
-    values: &[f64],
     corrections: Mat<f64>,
 ) -> Result<(Mat<f64>, Vec<f64>)> {
     let mut x = corrections;
+    // Modes are orthogonal in M and K alike; M sees those on soft bearings as sharply as the others.
+    let mass_modes = multiply(&spectrum.mass, modes);
     // The answers to forces of very different size count alike: each to unit energy first.
+    let images = spectrum.stiffness_times(x.as_ref());
     for j in 0..x.ncols() {
-        let k = multiply(&operators.stiffness, x.subcols(j, 1));
-        let energy: f64 = x.col(j).transpose() * k.col(0);
+        let energy: f64 = x.col(j).transpose() * images.col(j);
         let scale = if energy > 0.0 { 1.0 / energy.sqrt() } else { 0.0 };
         x.col_mut(j).iter_mut().for_each(|v| *v *= scale);
     }
-    // Modes are orthogonal in M and K; work in K, where corrections are shorter by nature of a static answer.
     for _ in 0..2 {
-        let mut share = modes.transpose() * multiply(&operators.stiffness, x.as_ref());
-        for (i, value) in values.iter().enumerate() {
-            share.row_mut(i).iter_mut().for_each(|v| *v /= *value);
-        }
-        x -= modes * share;
+        x -= modes * (mass_modes.transpose() * &x);
     }
-    let gram = x.transpose() * multiply(&operators.stiffness, x.as_ref());
+    let gram = x.transpose() * spectrum.stiffness_times(x.as_ref());
     let (energies, directions) = self_adjoint(gram.as_ref())?;
     let kept: Vec<usize> = (0..energies.len()).filter(|&i| energies[i] > DEPENDENT).collect();
     let turn =
         Mat::from_fn(x.ncols(), kept.len(), |i, j| directions[(i, kept[j])] / energies[kept[j]].sqrt());
     let x = &x * turn;
     // Now x^T K x = I: the eigenvalues of x^T M x are the inverse squares of the frequencies.
-    let mass = x.transpose() * multiply(&operators.mass, x.as_ref());
+    let mass = x.transpose() * multiply(&spectrum.mass, x.as_ref());
     let (flexibilities, directions) = self_adjoint(mass.as_ref())?;
     let kept: Vec<usize> = (0..flexibilities.len()).rev().filter(|&i| flexibilities[i] > 0.0).collect();
     let turn =

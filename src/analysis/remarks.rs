@@ -1,6 +1,6 @@
 //! What a sweep over speed refuses, models, leaves out and remarks.
 
-use super::campbell::Tracked;
+use super::instability::{BEYOND, NOT_OSCILLATING};
 use super::operators::Operators;
 use crate::model::{Bearing, CampbellSettings, Form, Gyroscopic, Law, Model, SupportKind, WhirlFrame};
 use crate::results::{Diagnostic, ModelSummary, UnstableRange};
@@ -82,12 +82,11 @@ pub fn offset_remark(model: &Model, settings: &CampbellSettings, diagnostics: &m
     }
 }
 
-/// Ends that spin, and branches that grow.
+/// Ends that spin, and motions that grow.
 pub(super) fn speed_remarks(
     model: &Model,
     highest: f64,
-    branches: &[Tracked],
-    ranges: Option<&[UnstableRange]>,
+    ranges: &[UnstableRange],
     diagnostics: &mut Vec<Diagnostic>,
 ) {
     let clamped = model.supports.iter().any(|s| matches!(s.kind, crate::model::SupportKind::Clamped(_)));
@@ -97,25 +96,21 @@ pub(super) fn speed_remarks(
             "a clamped end of a spinning shaft is read as a driven revolute end (no tilt, no torsional vibration)",
         ));
     }
-    if let Some(ranges) = ranges {
-        diagnostics.extend(ranges.iter().map(|r| {
-            let (branch, from, to) = (&r.branch, r.from_rad_s, r.to_rad_s);
-            Diagnostic::warning(
-                "unstable",
-                format!("branch {branch} is unstable from {from:.6} to {to:.6} rad/s"),
-            )
-        }));
-        return;
-    }
-    for tracked in branches {
-        let unstable = tracked.branch.log_decrement.iter().flatten().filter(|d| **d < -1e-9).count();
-        if unstable > 0 {
-            diagnostics.push(Diagnostic::warning(
-                "unstable",
-                format!("branch {} is unstable at {unstable} of the speeds", tracked.branch.name),
-            ));
-        }
-    }
+    diagnostics.extend(ranges.iter().map(|r| {
+        let (branch, from, to) = (&r.branch, r.from_rad_s, r.to_rad_s);
+        let what = match branch.as_str() {
+            NOT_OSCILLATING => "a motion that does not oscillate".to_owned(),
+            BEYOND => "a motion beyond the branches".to_owned(),
+            name => format!("branch {name}"),
+        };
+        Diagnostic::warning(
+            "unstable",
+            format!(
+                "{what} is unstable from {from:.6} to {to:.6} rad/s, growing by up to {:.4e} 1/s",
+                r.largest_growth_rate_1_s
+            ),
+        )
+    }));
 }
 
 /// What was modelled and left out.

@@ -6,12 +6,15 @@
 //! matrix of an undamped rotor is skew and its eigenvectors orthonormal. In the rotating frame K is indefinite
 //! above a critical speed; there S holds the frequencies at rest.
 
-use super::reduced::{Reduced, Whirling};
+use super::reduced::Reduced;
 use super::stiffening::burst;
 use crate::error::Result;
 use crate::linalg::dense::{cholesky, over_lower};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, c64};
+
+/// Steps of inverse iteration.
+const SHARPENING: usize = 5;
 
 /// The reduced equations at one speed.
 pub struct AtSpeed<'a> {
@@ -125,6 +128,130 @@ impl<'a> AtSpeed<'a> {
         best.filter(|w| near(w) <= 1e-3 * guess.abs()).unwrap_or(guess)
     }
 
+    /// The matrices on velocities and (besides K) on displacements, turned.
+    pub fn forms(&self) -> [Option<Mat<f64>>; 2] {
+        let reduced = self.reduced;
+        [
+            self.sum(&[(1.0, &reduced.damping), (self.speed, &reduced.gyroscopic)]),
+            self.sum(&[(1.0, &reduced.cross_coupling), (self.speed, &reduced.circulatory)]),
+        ]
+    }
+
+    /// The root near `guess` of `y^H (lambda^2 + lambda D + K) x = 0`, x and y being the velocities of the right and left
+    /// states (turned), and what rounding may have made of its real part. The root's error is the product of those of x and
+    /// y, while that of the eigenvalue solver is a rounding of the largest eigenvalue.
+    pub fn quotient(
+        &self,
+        forms: &[Option<Mat<f64>>; 2],
+        states: (&[c64], &[c64]),
+        guess: c64,
+    ) -> (c64, f64) {
+        let (n, r) = (self.reduced.size(), self.reduced.n_rigid);
+        let (x, y) = (&states.0[..n], &states.1[..n]);
+        let zero = c64::new(0.0, 0.0);
+        let form = |a: &Mat<f64>, first: usize, rows: usize| -> (c64, f64) {
+            let (mut sum, mut size) = (zero, 0.0);
+            for j in 0..a.ncols() {
+                for i in 0..a.nrows() {
+                    let term = y[i + rows].conj() * x[j + first] * a[(i, j)];
+                    sum += term;
+                    size += term.norm();
+                }
+            }
+            (sum, size)
+        };
+        let mass: c64 = x.iter().zip(y).map(|(x, y)| y.conj() * x).sum();
+        let (stiffness, mut size) = form(&self.stiffness, r, r);
+        let on_velocity = forms[0].as_ref().map_or((zero, 0.0), |a| form(a, 0, 0));
+        let turning = forms[1].as_ref().map(|a| a.get(.., r..).to_owned());
+        let turning = turning.map_or((zero, 0.0), |a| form(&a, r, 0));
+        let (d, k) = (on_velocity.0, stiffness + turning.0);
+        let root = (d * d - mass * k * 4.0).sqrt();
+        let candidates = [(-d + root) / (mass * 2.0), (-d - root) / (mass * 2.0)];
+        let far = |z: &c64| (z - guess).norm();
+        let best = candidates.into_iter().filter(|z| z.is_finite()).min_by(|a, b| far(a).total_cmp(&far(b)));
+        let largest = self.reduced.frequencies.iter().copied().fold(0.0, f64::max);
+        let Some(lambda) = best.filter(|z| far(z) <= 1e-3 * guess.norm() + 1e-10 * largest) else {
+            return (guess, guess.norm());
+        };
+        size += lambda.norm() * on_velocity.1 + turning.1;
+        let strain = |v: &[c64]| -> f64 {
+            v.iter().zip(&self.reduced.strain_noise).map(|(v, noise)| v.norm() * noise).sum()
+        };
+        let rounding = f64::EPSILON * size + strain(x) * strain(y) * (lambda.norm() + self.speed.abs());
+        let slope = (mass * lambda * 2.0 + d).norm();
+        (lambda, if slope > 0.0 { rounding / slope } else { f64::EPSILON * largest })
+    }
+
+    /// Sharpens a motion whose eigenvalue is far below the norm of the state matrix A, of which the solver's error is a
+    /// rounding: inverse iteration with `P = lambda^2 + lambda D + K`, whose rows and columns are scaled by the frequencies
+    /// at rest, for the right and the left vector, and [`Self::quotient`]. Returns what `quotient` does; a noise of the size of
+    /// lambda where it does not settle.
+    pub fn sharpened(
+        &self,
+        a: &Mat<f64>,
+        forms: &[Option<Mat<f64>>; 2],
+        (right, left): (&mut Vec<c64>, &mut Vec<c64>),
+        guess: c64,
+    ) -> (c64, f64) {
+        let (n, r) = (self.reduced.size(), self.reduced.n_rigid);
+        let mut lambda = guess;
+        let mut noise = guess.norm();
+        for _ in 0..SHARPENING {
+            let scale: Vec<f64> =
+                self.reduced.frequencies.iter().map(|w| 1.0 / w.max(lambda.norm())).collect();
+            let at = |a: &Option<Mat<f64>>, i: usize, j: usize| a.as_ref().map_or(0.0, |a| a[(i, j)]);
+            let p = Mat::from_fn(n, n, |i, j| {
+                let elastic = if i >= r && j >= r { self.stiffness[(i - r, j - r)] } else { 0.0 };
+                let turning = if j >= r { at(&forms[1], i, j) } else { 0.0 };
+                let inertia = if i == j { lambda * lambda } else { c64::new(0.0, 0.0) };
+                (inertia + lambda * at(&forms[0], i, j) + elastic + turning) * (scale[i] * scale[j])
+            });
+            let factor = p.partial_piv_lu();
+            let slope = |i: usize, j: usize| {
+                let inertia = if i == j { lambda * 2.0 } else { c64::new(0.0, 0.0) };
+                inertia + at(&forms[0], i, j)
+            };
+            let (mut x, mut y) = (Mat::<c64>::zeros(n, 1), Mat::<c64>::zeros(n, 1));
+            for i in 0..n {
+                x[(i, 0)] = (0..n).map(|j| slope(i, j) * right[j]).sum::<c64>() * scale[i];
+                y[(i, 0)] = (0..n).map(|j| slope(j, i).conj() * left[j]).sum::<c64>() * scale[i];
+            }
+            let (x, y) = (factor.solve(x), factor.solve_adjoint(y));
+            let unit = |v: &Mat<c64>| -> Option<Vec<c64>> {
+                let v: Vec<c64> = (0..n).map(|i| v[(i, 0)] * scale[i]).collect();
+                let size = v.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
+                (size.is_finite() && size > 0.0).then(|| v.into_iter().map(|v| v / size).collect())
+            };
+            // P is singular to the last digit: there is nothing left to sharpen
+            let (Some(x), Some(y)) = (unit(&x), unit(&y)) else { break };
+            right[..n].copy_from_slice(&x);
+            left[..n].copy_from_slice(&y);
+            let before = lambda;
+            (lambda, noise) = self.quotient(forms, (right, left), lambda);
+            if (lambda - before).norm() <= (1e-13 * lambda.norm()).max(noise) {
+                break;
+            }
+            // not settled yet
+            noise = noise.max((lambda - before).norm());
+        }
+        self.complete(a, (right, left), lambda);
+        (lambda, noise)
+    }
+
+    /// The strain parts of right and left states from their velocities; `left^H right = 1`.
+    fn complete(&self, a: &Mat<f64>, (right, left): (&mut [c64], &mut [c64]), lambda: c64) {
+        let (n, r) = (self.reduced.size(), self.reduced.n_rigid);
+        for i in 0..n - r {
+            right[n + i] = (i..n - r).map(|k| right[r + k] * self.root[(k, i)]).sum::<c64>() / lambda;
+            left[n + i] = (0..n).map(|k| left[k] * a[(k, n + i)]).sum::<c64>() / lambda.conj();
+        }
+        let product: c64 = left.iter().zip(right.iter()).map(|(l, r)| l.conj() * r).sum();
+        if product.is_finite() && product.norm() > 0.0 {
+            left.iter_mut().for_each(|l| *l /= product.conj());
+        }
+    }
+
     /// Turns the velocities of a state into the reduced coordinates.
     pub fn restored(&self, state: &mut [c64]) {
         if let Some(turn) = &self.turn {
@@ -169,11 +296,6 @@ impl<'a> AtSpeed<'a> {
             Some(turn) => product(&turn.transpose().to_owned(), q)[r..].to_vec(),
             None => q[r..].to_vec(),
         }
-    }
-
-    /// True for a motion that grows by more than rounding.
-    pub fn grows(motion: &Whirling) -> bool {
-        motion.lambda.re > 1e-8 * motion.lambda.norm()
     }
 }
 

@@ -10,7 +10,7 @@ use super::spectrum::{Flexibility, Spectrum};
 use crate::assembly::Assembly;
 use crate::error::{Error, Result};
 use crate::linalg::sparse::{Sparse, combine, from_columns, multiply};
-use crate::model::{Model, Quadrature};
+use crate::model::{Hub, Model, Quadrature};
 use faer::Mat;
 use std::f64::consts::PI;
 
@@ -208,6 +208,30 @@ impl<'a> Spinning<'a> {
         }
         from_columns(a.ncols(), starts, rows, values)
     }
+}
+
+/// The error of a shaft that bursts; where it is soft hubs whose load the wall does not carry, rigid ones are the remedy.
+pub fn burst_of(model: &Model, error: Error, highest: f64) -> Error {
+    let Error::Analysis { what, tried, .. } = &error else { return error };
+    let mut rigid = model.clone();
+    rigid.disks.iter_mut().filter(|d| d.hub == Hub::Soft).for_each(|d| d.hub = Hub::Rigid);
+    let soft: Vec<String> = (0..model.disks.len())
+        .filter(|&i| model.disks[i].hub == Hub::Soft)
+        .map(|i| format!("`disks.{i}.hub`"))
+        .collect();
+    let assembly = Assembly::new(&rigid);
+    let holds = || Spinning::new(&assembly).and_then(|spinning| spinning.at(highest, None)).is_ok();
+    if soft.is_empty() || !holds() {
+        return error;
+    }
+    Error::analysis(
+        format!("{what}: the section does not carry the centrifugal load of the disks with a soft hub"),
+        tried.clone(),
+        format!(
+            "\"hub\": \"rigid\" at {} (a disk that carries its own load), with which the shaft holds at this speed",
+            soft.join(", ")
+        ),
+    )
 }
 
 /// The error of a shaft that bursts before the highest speed.

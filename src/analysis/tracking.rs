@@ -125,7 +125,12 @@ mod tests {
             lambda: c64::new(0.0, frequency),
             right: right.iter().map(|&v| c64::new(v, 0.0)).collect(),
             left: None,
+            noise: 0.0,
         }
+    }
+
+    fn solution(speed: f64, motions: Vec<Whirling>) -> Solution {
+        Solution { speed, oscillating: motions.len(), motions, overdamped: Vec::new() }
     }
 
     /// Two motions whose shapes turn into each other by 45 degrees around speed 1 are as much alike one
@@ -135,7 +140,7 @@ mod tests {
         let solve = |speed: f64| -> Result<Solution> {
             let angle = ((speed - 1.0) / 0.02).tanh() * std::f64::consts::FRAC_PI_8;
             let (s, c) = angle.sin_cos();
-            Ok(Solution { speed, motions: vec![motion(1.0, &[c, s]), motion(2.0, &[-s, c])] })
+            Ok(solution(speed, vec![motion(1.0, &[c, s]), motion(2.0, &[-s, c])]))
         };
         let (a, b) = (solve(0.0).unwrap(), solve(2.0).unwrap());
         let found = follow(&solve, &a, &b, &[0, 1]).unwrap();
@@ -146,8 +151,8 @@ mod tests {
     /// Two motions that cross without touching change their order at once.
     #[test]
     fn a_crossing_changes_the_order() {
-        let a = Solution { speed: 0.0, motions: vec![motion(1.0, &[1.0, 0.0]), motion(2.0, &[0.0, 1.0])] };
-        let b = Solution { speed: 1.0, motions: vec![motion(1.0, &[0.0, 1.0]), motion(2.0, &[1.0, 0.0])] };
+        let a = solution(0.0, vec![motion(1.0, &[1.0, 0.0]), motion(2.0, &[0.0, 1.0])]);
+        let b = solution(1.0, vec![motion(1.0, &[0.0, 1.0]), motion(2.0, &[1.0, 0.0])]);
         let found = follow(&|_| Ok(b.clone()), &a, &b, &[0, 1]).unwrap();
         assert_eq!(found.to, [Some(1), Some(0)]);
     }
@@ -155,8 +160,8 @@ mod tests {
     /// A motion with no continuation is reported as lost and unclear.
     #[test]
     fn what_stays_unclear_is_said() {
-        let a = Solution { speed: 0.0, motions: vec![motion(1.0, &[1.0, 0.0, 0.0])] };
-        let b = Solution { speed: 1.0, motions: vec![motion(1.0, &[0.0, 0.0, 1.0])] };
+        let a = solution(0.0, vec![motion(1.0, &[1.0, 0.0, 0.0])]);
+        let b = solution(1.0, vec![motion(1.0, &[0.0, 0.0, 1.0])]);
         let found = follow(&|speed| Ok(Solution { speed, ..b.clone() }), &a, &b, &[0]).unwrap();
         assert_eq!((found.to[0], found.unclear[0]), (None, true));
     }

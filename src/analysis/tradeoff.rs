@@ -22,7 +22,13 @@ const SHARE: f64 = 1.0 / 3.0;
 
 /// Warnings of a run that do not speak of how accurate its numbers are.
 const NOT_OF_ACCURACY: [&str; 8] = [
-    "few-modes", "few-branches", "no-loads", "cross-coupling-ignored", "campbell-refused", "unstable", "unstable-equilibrium",
+    "few-modes",
+    "few-branches",
+    "no-loads",
+    "cross-coupling-ignored",
+    "campbell-refused",
+    "unstable",
+    "unstable-equilibrium",
     "times-disturbed",
 ];
 
@@ -642,7 +648,10 @@ fn about_choice(results: &Tradeoff, choice: &TradeoffChoice, target: f64) -> Vec
         Trust::Confirmed => {}
         Trust::Warned => list.push(Diagnostic::warning(
             "choice-warned",
-            format!("the run of the choice warned of its accuracy: {}", points[choice.point].warnings.join("; ")),
+            format!(
+                "the run of the choice warned of its accuracy: {}",
+                points[choice.point].warnings.join("; ")
+            ),
         )),
         Trust::Unconfirmed => list.push(Diagnostic::warning(
             "choice-unconfirmed",

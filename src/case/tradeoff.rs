@@ -65,15 +65,39 @@ impl StudyAnalysis {
         match self {
             Self::Modes => &["rigid_modes", "modes"],
             Self::Campbell => &[
-                "speeds_rad_s", "branches", "critical_speeds", "unstable_ranges", "reduction", "stability_threshold_rad_s",
+                "speeds_rad_s",
+                "branches",
+                "critical_speeds",
+                "unstable_ranges",
+                "reduction",
+                "stability_threshold_rad_s",
             ],
-            Self::Static => {
-                &["load_factor", "probes", "profile", "reactions", "strain_energy_j", "largest_strain", "newton"]
+            Self::Static => &[
+                "load_factor",
+                "probes",
+                "profile",
+                "reactions",
+                "strain_energy_j",
+                "largest_strain",
+                "newton",
+            ],
+            Self::Spinup => {
+                &["final", "extremes", "growth", "history", "energy", "rub", "integrator", "newton"]
             }
-            Self::Spinup => &["final", "extremes", "growth", "history", "energy", "rub", "integrator", "newton"],
             Self::Contact => &[
-                "time_s", "load_factor", "bodies", "pairs", "events", "largest_penetration_m", "energy_error",
-                "energy_change", "momentum_residual", "angular_momentum_residual", "solver", "history", "energy_J",
+                "time_s",
+                "load_factor",
+                "bodies",
+                "pairs",
+                "events",
+                "largest_penetration_m",
+                "energy_error",
+                "energy_change",
+                "momentum_residual",
+                "angular_momentum_residual",
+                "solver",
+                "history",
+                "energy_J",
                 "penalty_N_m3",
             ],
         }

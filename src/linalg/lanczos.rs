@@ -16,6 +16,10 @@ const CONVERGED: f64 = 1e-8;
 const FINAL: f64 = 1e-11;
 /// Steps of subspace iteration at most.
 const POLISHING: usize = 30;
+/// Groups of eigenvalues that stand decades apart, at most.
+const GROUPS: usize = 6;
+/// Range of theta within one group.
+const GROUP: f64 = 1e-6;
 
 /// The operators of `K x = lambda B x`, applied to blocks of columns.
 pub struct Pencil<'a> {
@@ -31,6 +35,9 @@ pub struct Pencil<'a> {
     pub solve: &'a dyn Fn(Mat<f64>) -> Mat<f64>,
     /// Removes what lies in the null space of K: it has no energy, so nothing else here would see it grow.
     pub clean: &'a dyn Fn(&mut Mat<f64>),
+    /// Directions near the eigenvectors of largest `|theta|`, if these stand decades apart from the others, in columns: what
+    /// rounding leaves of them would hide the others, so they are found first and kept out of the iteration.
+    pub apart: Option<Mat<f64>>,
 }
 
 /// Eigenpairs with the smallest positive lambda, ascending; vectors in columns with `x^T K x = lambda`
@@ -48,6 +55,114 @@ pub struct Eigenpairs {
 /// When they do not converge within the largest basis.
 pub fn lowest(pencil: &Pencil<'_>, wanted: usize) -> Result<Eigenpairs> {
     let wanted = wanted.min(pencil.rank);
+    let mut apart = pencil.apart.as_ref().and_then(|start| invariant(pencil, start));
+    for _ in 0..GROUPS {
+        let remove = |x: &mut Mat<f64>| {
+            for found in apart.iter().chain(&apart) {
+                *x -= &found.vectors * (found.images.transpose() * &*x);
+            }
+        };
+        let rest = Pencil {
+            rank: pencil.rank - apart.as_ref().map_or(0, |a| a.vectors.ncols()),
+            solve: &|f| {
+                let mut x = (pencil.solve)(f);
+                remove(&mut x);
+                x
+            },
+            clean: &|x| {
+                (pencil.clean)(x);
+                remove(x);
+            },
+            apart: None,
+            ..*pencil
+        };
+        let positive = apart.as_ref().map_or(&[][..], |a| &a.positive);
+        let kept = positive.len().min(wanted);
+        match iterated(&rest, wanted - kept)? {
+            Found::All(ritz, found) => {
+                let first = positive.len();
+                let ritz = Mat::from_fn(pencil.size, first + ritz.ncols(), |i, j| match &apart {
+                    Some(apart) if j < first => apart.vectors[(i, positive[j])],
+                    _ => ritz[(i, j - first)],
+                });
+                return Ok(polished(pencil, ritz, kept + found));
+            }
+            Found::Apart(ritz) => {
+                let Some(more) = invariant(&rest, &ritz) else { break };
+                apart = Some(match apart {
+                    Some(apart) => apart.with(more),
+                    None => more,
+                });
+            }
+        }
+    }
+    Err(Error::analysis(
+        "the eigenvalue solver found no new directions",
+        format!("block Lanczos for {wanted} eigenvalues, in groups that stand decades apart"),
+        "ask for fewer modes, or check the case for values that differ by many decades",
+    ))
+}
+
+/// Eigenvectors that are kept out of the iteration.
+struct Apart {
+    /// Orthonormal in the energy product.
+    vectors: Mat<f64>,
+    /// What K makes of them.
+    images: Mat<f64>,
+    /// Those with a positive theta.
+    positive: Vec<usize>,
+}
+
+impl Apart {
+    fn with(mut self, more: Self) -> Self {
+        let first = self.vectors.ncols();
+        append(&mut self.vectors, more.vectors.as_ref());
+        append(&mut self.images, more.images.as_ref());
+        self.positive.extend(more.positive.iter().map(|i| first + i));
+        self
+    }
+}
+
+/// What an iteration ends with.
+enum Found {
+    /// Ritz vectors of the wanted theta and a few more, and how many of the wanted ones there are.
+    All(Mat<f64>, usize),
+    /// Ritz vectors that stand decades apart from the others and hide them.
+    Apart(Mat<f64>),
+}
+
+/// The eigenvectors of largest `|theta|` near `start`; `None` where they do not converge.
+fn invariant(pencil: &Pencil<'_>, start: &Mat<f64>) -> Option<Apart> {
+    let mut x = start.clone();
+    (pencil.clean)(&mut x);
+    let mut kx = (pencil.apply_k)(x.as_ref());
+    ascending_orthonormal(&mut x, &mut kx);
+    let mut earlier = f64::INFINITY;
+    for _ in 0..POLISHING {
+        let mut y = (pencil.solve)((pencil.apply_b)(x.as_ref()));
+        let mut ky = (pencil.apply_k)(y.as_ref());
+        let share = x.transpose() * &ky;
+        let (rest, k_rest) = (&y - &x * &share, &ky - &kx * &share);
+        let worst = energies(&rest, &k_rest).into_iter().zip(energies(&y, &ky));
+        let worst = worst.fold(0.0, |worst: f64, (rest, all)| worst.max(rest / all));
+        // below the tolerance, or down at rounding
+        if worst <= FINAL * FINAL || (worst <= CONVERGED * CONVERGED && worst > 0.3 * earlier) {
+            let (thetas, turn) = self_adjoint(share.as_ref()).ok()?;
+            let positive = (0..thetas.len()).filter(|&i| thetas[i] > 0.0).collect();
+            return Some(Apart { vectors: &x * &turn, images: &kx * turn, positive });
+        }
+        ascending_orthonormal(&mut y, &mut ky);
+        (x, kx, earlier) = (y, ky, worst);
+    }
+    None
+}
+
+/// Ritz vectors of the `wanted` largest positive theta and a few more, and how many of the wanted ones there are.
+fn iterated(pencil: &Pencil<'_>, wanted: usize) -> Result<Found> {
+    let wanted = wanted.min(pencil.rank);
+    if wanted == 0 {
+        return Ok(Found::All(Mat::zeros(pencil.size, 0), 0));
+    }
     let limit = pencil.rank.min(8 * wanted + 40 * BLOCK);
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     let mut start = || {
@@ -79,11 +194,10 @@ pub fn lowest(pencil: &Pencil<'_>, wanted: usize) -> Result<Eigenpairs> {
             if exhausted || (best.len() == wanted && best.iter().all(settled)) {
                 let near: Vec<usize> =
                     (0..thetas.len()).rev().take(wanted + BLOCK).take_while(|&i| thetas[i] > 0.0).collect();
-                return Ok(polished(
-                    pencil,
-                    ritz_vectors(basis.as_ref(), weights.as_ref(), &near),
-                    best.len(),
-                ));
+                return Ok(Found::All(ritz_vectors(basis.as_ref(), weights.as_ref(), &near), best.len()));
+            }
+            if full && let Some(apart) = far_ones(&thetas, |i| settled(&i)) {
+                return Ok(Found::Apart(ritz_vectors(basis.as_ref(), weights.as_ref(), &apart)));
             }
             if full {
                 return Err(Error::analysis(
@@ -95,14 +209,21 @@ pub fn lowest(pencil: &Pencil<'_>, wanted: usize) -> Result<Eigenpairs> {
         }
         block = if next.ncols() > 0 { next } else { orthonormal(pencil, basis.as_ref(), start())?.0 };
         if block.ncols() == 0 {
-            return Err(Error::analysis(
-                "the eigenvalue solver found no new directions",
-                format!("block Lanczos with {} vectors for {wanted} eigenvalues", basis.ncols()),
-                "ask for fewer modes",
-            ));
+            // beside what is there already nothing is seen
+            let (thetas, weights) = self_adjoint(projected.as_ref())?;
+            let apart = far_ones(&thetas, |_| true).unwrap_or_default();
+            return Ok(Found::Apart(ritz_vectors(basis.as_ref(), weights.as_ref(), &apart)));
         }
     }
     unreachable!("the loop ends at the limit of the basis")
+}
+
+/// The settled theta within [`GROUP`] of the largest one; `None` where there are none.
+fn far_ones(thetas: &[f64], settled: impl Fn(usize) -> bool) -> Option<Vec<usize>> {
+    let largest = thetas.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
+    let far: Vec<usize> =
+        (0..thetas.len()).filter(|&i| thetas[i].abs() > GROUP * largest && settled(i)).collect();
+    (!far.is_empty()).then_some(far)
 }
 
 /// Appends the columns of `block`.
@@ -238,6 +359,7 @@ mod tests {
             apply_b: &|x| x.to_owned(),
             solve: &|x| scale(x.as_ref(), &|k| 1.0 / k),
             clean: &|_| (),
+            apart: None,
         };
         lowest(&pencil, wanted).unwrap()
     }
@@ -251,6 +373,49 @@ mod tests {
         for (i, v) in found.values[9..].iter().enumerate() {
             let expected = 10.0 + ((i + 9) * (i + 9)) as f64;
             assert!((v / expected - 1.0).abs() < 1e-10, "{v} {expected}");
+        }
+    }
+
+    /// Four eigenvalues sixteen decades below the others: told apart they leave the others their digits.
+    #[test]
+    fn what_stands_decades_apart_does_not_hide_the_others() {
+        let mut stiffness: Vec<f64> = (0..300).map(|i| 1e4 + 1e4 * f64::from(i * i)).collect();
+        stiffness[..4].copy_from_slice(&[1e-12, 1e-12, 3e-12, 3e-12]);
+        let scale = |x: MatRef<'_, f64>, f: &dyn Fn(f64) -> f64| {
+            Mat::from_fn(x.nrows(), x.ncols(), |i, j| f(stiffness[i]) * x[(i, j)])
+        };
+        let pencil = Pencil {
+            size: 300,
+            rank: 300,
+            apply_k: &|x| scale(x, &|k| k),
+            apply_b: &|x| x.to_owned(),
+            solve: &|x| scale(x.as_ref(), &|k| 1.0 / k),
+            clean: &|_| (),
+            apart: Some(Mat::from_fn(
+                300,
+                4,
+                |i, j| if i < 4 { f64::from((i + j) % 3 == 0) + 0.1 } else { 0.0 } + f64::from(i == j),
+            )),
+        };
+        let found = lowest(&pencil, 30).unwrap();
+        let mut exact = stiffness.clone();
+        exact.sort_by(f64::total_cmp);
+        for (ours, exact) in found.values.iter().zip(&exact) {
+            assert!((ours / exact - 1.0).abs() < 1e-10, "{ours} {exact}");
+        }
+    }
+
+    /// The same without being told, in three groups.
+    #[test]
+    fn groups_that_stand_decades_apart_are_found_one_after_the_other() {
+        let mut stiffness: Vec<f64> = (0..200).map(|i| 1e4 + 1e4 * f64::from(i * i)).collect();
+        stiffness[..2].copy_from_slice(&[1e-24, 3e-24]);
+        stiffness[2..5].copy_from_slice(&[1e-10, 2e-10, 2e-10]);
+        let found = diagonal_pencil(&stiffness, 25);
+        let mut exact = stiffness.clone();
+        exact.sort_by(f64::total_cmp);
+        for (ours, exact) in found.values.iter().zip(&exact) {
+            assert!((ours / exact - 1.0).abs() < 1e-10, "{ours} {exact}");
         }
     }
 

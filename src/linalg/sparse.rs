@@ -42,13 +42,18 @@ pub fn multiply(a: &Sparse, x: MatRef<'_, f64>) -> Mat<f64> {
 
 /// Norm of `|A| |x|` (absolute values entry by entry): the scale of the rounding error of `A x`.
 pub fn absolute_product_norm(a: &Sparse, x: &[f64]) -> f64 {
+    absolute_product(a, x).iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+/// `|A| |x|`, absolute values entry by entry.
+pub fn absolute_product(a: &Sparse, x: &[f64]) -> Vec<f64> {
     let mut y = vec![0.0; a.nrows()];
     for (j, &factor) in x.iter().enumerate() {
         for (&row, value) in a.row_idx_of_col_raw(j).iter().zip(a.val_of_col(j)) {
             y[row] += (value * factor).abs();
         }
     }
-    y.iter().map(|v| v * v).sum::<f64>().sqrt()
+    y
 }
 
 /// `sum_k factor_k A_k` on the union of the patterns. All matrices have one shape.

@@ -75,6 +75,7 @@ struct Sampled {
     rpm: f64,
     hz: f64,
     unstable: bool,
+    whirl: Whirl,
 }
 
 /// A branch as unbroken stretches.
@@ -91,7 +92,8 @@ impl<'a> Curve<'a> {
                 branch.log_decrement.get(index).copied().flatten().is_some_and(|d| d < UNSTABLE_BELOW);
             match frequency {
                 Some(frequency) if frequency.is_finite() && speed.is_finite() => {
-                    let sampled = Sampled { rpm: speed * RPM, hz: frequency / TAU, unstable };
+                    let whirl = branch.whirl_at_speed.get(index).copied().unwrap_or(branch.whirl);
+                    let sampled = Sampled { rpm: speed * RPM, hz: frequency / TAU, unstable, whirl };
                     if let Some(stretch) = stretches.last_mut() {
                         stretch.push(sampled);
                     }
@@ -105,6 +107,37 @@ impl<'a> Curve<'a> {
 
     fn samples(&self) -> impl Iterator<Item = &Sampled> {
         self.stretches.iter().flatten()
+    }
+
+    /// Sense at the highest speed at which it is drawn.
+    fn last_whirl(&self) -> Whirl {
+        self.samples().last().map_or(self.branch.whirl, |sampled| sampled.whirl)
+    }
+
+    /// Stretches of one sense; neighbours meet halfway between the speeds at which they differ.
+    fn by_whirl(&self) -> Vec<(Whirl, Vec<Sampled>)> {
+        let mut runs: Vec<(Whirl, Vec<Sampled>)> = Vec::new();
+        for stretch in &self.stretches {
+            let mut before: Option<Sampled> = None;
+            for &sampled in stretch {
+                match (before, runs.last_mut()) {
+                    (Some(_), Some((whirl, run))) if *whirl == sampled.whirl => run.push(sampled),
+                    (Some(last), Some((_, run))) => {
+                        let halfway = |whirl| Sampled {
+                            rpm: (last.rpm + sampled.rpm) / 2.0,
+                            hz: (last.hz + sampled.hz) / 2.0,
+                            unstable: sampled.unstable,
+                            whirl,
+                        };
+                        run.push(halfway(last.whirl));
+                        runs.push((sampled.whirl, vec![halfway(sampled.whirl), sampled]));
+                    }
+                    _ => runs.push((sampled.whirl, vec![sampled])),
+                }
+                before = Some(sampled);
+            }
+        }
+        runs
     }
 
     fn highest(&self) -> Option<f64> {
@@ -172,7 +205,7 @@ impl<'a> Diagram<'a> {
         };
         let x = Scale { low, high, start: frame.left, end: frame.right };
         let y = Scale { low: 0.0, high: top, start: frame.bottom, end: frame.top };
-        let ranges = results.unstable_ranges.iter().flatten().map(|r| (r.from_rpm, r.to_rpm)).collect();
+        let ranges = results.unstable_ranges.iter().map(|r| (r.from_rpm, r.to_rpm)).collect();
         Self { curves, marks, ranges, orders, frame, spine, x, y }
     }
 
@@ -186,15 +219,16 @@ impl<'a> Diagram<'a> {
 
     /// Visible parts of a curve as lines; single points come as lines of one point.
     fn visible(&self, curve: &Curve) -> Vec<Vec<Point>> {
-        let mut parts = Vec::new();
-        for stretch in &curve.stretches {
-            let pixels = self.pixels(stretch);
-            match pixels[..] {
-                [point] if self.frame.contains(point) => parts.push(vec![point]),
-                _ => parts.extend(style::clip(&pixels, self.frame)),
-            }
+        curve.stretches.iter().flat_map(|stretch| self.parts(stretch)).collect()
+    }
+
+    /// Visible parts of a line.
+    fn parts(&self, stretch: &[Sampled]) -> Vec<Vec<Point>> {
+        let pixels = self.pixels(stretch);
+        match pixels[..] {
+            [point] if self.frame.contains(point) => vec![vec![point]],
+            _ => style::clip(&pixels, self.frame),
         }
-        parts
     }
 
     /// Shades the unstable ranges over the whole height, the narrowest still visible.
@@ -256,13 +290,12 @@ impl<'a> Diagram<'a> {
             }
         }
         // Broken lines come last: where branches coincide, both stay visible.
-        let layers = [Whirl::Forward, Whirl::Backward, Whirl::None];
-        let ordered = layers.iter().flat_map(|whirl| self.curves.iter().filter(|c| c.branch.whirl == *whirl));
-        for curve in ordered {
-            let stroke = Stroke::whirl(curve.branch.whirl);
-            for part in self.visible(curve) {
+        let runs: Vec<(Whirl, Vec<Sampled>)> = self.curves.iter().flat_map(Curve::by_whirl).collect();
+        for layer in [Whirl::Forward, Whirl::Backward, Whirl::Mixed, Whirl::None] {
+            let stroke = Stroke::whirl(layer);
+            for part in runs.iter().filter(|(w, _)| *w == layer).flat_map(|(_, run)| self.parts(run)) {
                 match part[..] {
-                    [point] => canvas.marker(point, Marker::whirl(curve.branch.whirl), 4.5, stroke.color),
+                    [point] => canvas.marker(point, Marker::whirl(layer), 4.5, stroke.color),
                     _ => canvas.path(&part, stroke),
                 }
             }
@@ -282,7 +315,7 @@ impl<'a> Diagram<'a> {
         for curve in &self.curves {
             let Some(part) = self.visible(curve).pop() else { continue };
             let Some(&end) = part.last() else { continue };
-            let color = Stroke::whirl(curve.branch.whirl).color;
+            let color = Stroke::whirl(curve.last_whirl()).color;
             let name = Name {
                 words: &curve.branch.name,
                 color,
@@ -396,11 +429,10 @@ impl<'a> Diagram<'a> {
         for (whirl, words) in [
             (Whirl::Forward, "forward whirl"),
             (Whirl::Backward, "backward whirl"),
+            (Whirl::Mixed, "mixed whirl, or in a plane"),
             (Whirl::None, "no whirl"),
         ] {
-            let mut shown =
-                self.curves.iter().filter(|curve| curve.branch.whirl == whirl).flat_map(Curve::samples);
-            if shown.next().is_some() {
+            if self.curves.iter().flat_map(Curve::samples).any(|sampled| sampled.whirl == whirl) {
                 let stroke = Stroke::whirl(whirl);
                 let single =
                     self.curves.iter().flat_map(|curve| &curve.stretches).all(|stretch| stretch.len() == 1);
@@ -520,6 +552,7 @@ fn whirl_word(whirl: Whirl) -> &'static str {
     match whirl {
         Whirl::Forward => "fwd",
         Whirl::Backward => "bwd",
+        Whirl::Mixed => "mix",
         Whirl::None => "–",
     }
 }
@@ -553,7 +586,7 @@ fn marks<'a>(results: &'a Campbell, curves: &[Curve]) -> Vec<Mark<'a>> {
                 _ if results.frame != "rotating" => 1.0,
                 Whirl::Forward => 0.0,
                 Whirl::Backward => 2.0,
-                Whirl::None => 1.0,
+                Whirl::Mixed | Whirl::None => 1.0,
             };
             let own = curves.iter().find(|curve| Some(&curve.branch.name) == critical.branch.as_ref());
             let on_branch = own.filter(|_| results.frame == "rotating").and_then(|curve| curve.at(rpm));

@@ -64,6 +64,8 @@ pub enum Line {
     Dotted,
     /// Long and short strokes in turn.
     DashDot,
+    /// A long stroke and two short ones in turn.
+    DashDotDot,
 }
 
 impl Line {
@@ -74,6 +76,7 @@ impl Line {
             Line::Dashed => &[9.0, 5.0],
             Line::Dotted => &[2.5, 3.5],
             Line::DashDot => &[11.0, 4.0, 2.5, 4.0],
+            Line::DashDotDot => &[9.0, 3.5, 2.0, 3.0, 2.0, 3.5],
         }
     }
 }
@@ -95,11 +98,13 @@ impl Stroke {
         Self { color, width, line: Line::Solid }
     }
 
-    /// Whirl by colour and line kind alike: forward blue solid, backward vermillion dashed, neither black dotted.
+    /// Whirl by colour and line kind alike: forward blue solid, backward vermillion dashed, mixed green with two dots a stroke,
+    /// none black dotted.
     pub fn whirl(whirl: Whirl) -> Self {
         let (color, line) = match whirl {
             Whirl::Forward => (BLUE, Line::Solid),
             Whirl::Backward => (VERMILLION, Line::Dashed),
+            Whirl::Mixed => (GREEN, Line::DashDotDot),
             Whirl::None => (BLACK, Line::Dotted),
         };
         Self { color, width: 2.2, line }
@@ -133,6 +138,7 @@ impl Marker {
         match whirl {
             Whirl::Forward => Marker::Disc,
             Whirl::Backward => Marker::Triangle,
+            Whirl::Mixed => Marker::Diamond,
             Whirl::None => Marker::Square,
         }
     }

@@ -1,8 +1,8 @@
 //! Short tables for the terminal.
 
 use crate::results::{
-    Campbell, Check, Contact, Diagnostic, Level, ModelSummary, Modes, ProbeState, RubSummary, SceneCheck,
-    SpinState, Spinup, Static, StatorSummary, Tradeoff, TradeoffPoint, Trust,
+    Branch, Campbell, Check, Contact, Diagnostic, Level, ModelSummary, Modes, ProbeState, RubSummary,
+    SceneCheck, SpinState, Spinup, Static, StatorSummary, Tradeoff, TradeoffPoint, Trust, Whirl,
 };
 use std::f64::consts::TAU;
 
@@ -87,7 +87,7 @@ pub fn campbell(results: &Campbell) -> String {
                 hz(b.frequency_rad_s.first()),
                 hz(b.frequency_rad_s.last()),
                 if least.is_finite() { format!("{least:.4}") } else { "-".to_owned() },
-                format!("{:?}", b.whirl).to_lowercase(),
+                senses(b),
                 format!("{:?}", b.kind).to_lowercase(),
             ]
         })
@@ -97,11 +97,19 @@ pub fn campbell(results: &Campbell) -> String {
         &["branch", "Hz at first speed", "Hz at last speed", "least log decrement", "whirl", "kind"],
         &rows,
     );
-    for range in results.unstable_ranges.iter().flatten() {
+    text += &overdamped(results);
+    for range in &results.unstable_ranges {
         text += &format!(
             "  unstable: {} from {:.3} to {:.3} rpm, growth rate up to {:.4} 1/s\n",
             range.branch, range.from_rpm, range.to_rpm, range.largest_growth_rate_1_s
         );
+    }
+    match (results.stability_threshold_rad_s, results.speeds_rad_s.first()) {
+        (Some(speed), Some(first)) if speed <= *first => text += "  unstable from the first speed\n",
+        (Some(speed), _) => {
+            text += &format!("  stable below {:.3} rpm ({speed:.4} rad/s)\n", speed * 60.0 / TAU);
+        }
+        _ => {}
     }
     text += "\n  critical speeds\n";
     if results.critical_speeds.is_empty() {
@@ -123,6 +131,44 @@ pub fn campbell(results: &Campbell) -> String {
         })
         .collect();
     text + &columns(&["no.", "rpm", "Hz", "branch", "solved as", "whirl, kind"], &rows)
+}
+
+/// The senses of a branch from speed to speed, each once in turn.
+fn senses(branch: &Branch) -> String {
+    let mut list: Vec<Whirl> = Vec::new();
+    let oscillating = branch.whirl_at_speed.iter().zip(&branch.frequency_rad_s).filter(|(_, f)| f.is_some());
+    for (whirl, _) in oscillating {
+        if list.last() != Some(whirl) {
+            list.push(*whirl);
+        }
+    }
+    let word = |whirl: Whirl| format!("{whirl:?}").to_lowercase();
+    match list[..] {
+        [] => word(Whirl::None),
+        [.., last] if list.len() > 3 => format!("{}, .., {}", word(list[0]), word(last)),
+        _ => list.into_iter().map(word).collect::<Vec<_>>().join(", "),
+    }
+}
+
+/// How many branches are overdamped, and where they begin to whirl.
+fn overdamped(results: &Campbell) -> String {
+    let list: Vec<&Branch> = results.branches.iter().filter(|b| !b.overdamped.is_empty()).collect();
+    if list.is_empty() {
+        return String::new();
+    }
+    let of = |b: &Branch| {
+        let last = b.overdamped.iter().copied().fold(0.0, f64::max);
+        let whirls =
+            results.speeds_rad_s.iter().zip(&b.frequency_rad_s).find(|(s, f)| **s > last && f.is_some());
+        let until = match whirls {
+            Some((speed, _)) => format!("begins to whirl before {:.1} rpm", speed * 60.0 / TAU),
+            None if b.frequency_rad_s.iter().all(Option::is_none) => "at all speeds".to_owned(),
+            None => format!("from {:.1} rpm", b.overdamped[0] * 60.0 / TAU),
+        };
+        format!("{} {until}", b.name)
+    };
+    let words: Vec<String> = list.iter().map(|b| of(b)).collect();
+    format!("  overdamped: {} of {} branches ({})\n", list.len(), results.branches.len(), words.join("; "))
 }
 
 /// Size and mass properties.
@@ -303,7 +349,8 @@ pub fn tradeoff(results: &Tradeoff) -> String {
         },
         match (&reference.source, reference.error) {
             (Some(source), _) => format!(": {source}"),
-            (None, Some(error)) => format!("; itself off by about {error:.1e}, which bounds the errors below"),
+            (None, Some(error)) =>
+                format!("; itself off by about {error:.1e}, which bounds the errors below"),
             (None, None) => String::new(),
         },
         results.machine.processor,

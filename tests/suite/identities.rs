@@ -262,7 +262,7 @@ proptest! {
             prop_assert!((p.lambda.im - q.lambda.im).abs() <= 1e-7 * p.lambda.im);
         }
         let whirl = |s: &rotor::analysis::reduced::Solution| -> f64 {
-            s.motions.iter().take(8).map(|m| reduced.momentum(m).abs()).sum()
+            s.motions.iter().take(8).map(|m| reduced.travel_of(m).abs()).sum()
         };
         prop_assert!((whirl(&a) - whirl(&b)).abs() < 1e-3);
     }

@@ -223,6 +223,35 @@ fn a_rotating_frame_shows_its_own_excitation_lines() {
     assert!(!shows(&texts, "unstable range"));
 }
 
+/// A branch is drawn in the style of its sense at each speed, and the legend shows every sense that occurs.
+#[test]
+fn curves_change_style_where_the_sense_changes() {
+    let speeds = data::speeds(1000.0, 11);
+    let mut branch =
+        data::branch("4B", Whirl::Backward, ModeKind::Bending, &speeds, |s| Some(80.0 + s / 100.0));
+    let plain = data::campbell(speeds.clone(), vec![branch.clone()], Vec::new());
+    let texts = drawn(plain.clone());
+    assert!(
+        shows(&texts, "backward whirl") && !shows(&texts, "forward whirl") && !shows(&texts, "mixed whirl")
+    );
+    for (index, whirl) in branch.whirl_at_speed.iter_mut().enumerate() {
+        *whirl = [Whirl::Mixed, Whirl::Backward, Whirl::Forward][index.div_ceil(5)];
+    }
+    let changing = data::campbell(speeds, vec![branch], Vec::new());
+    let texts = drawn(changing.clone());
+    for words in ["backward whirl", "forward whirl", "mixed whirl, or in a plane"] {
+        assert!(shows(&texts, words), "{words}");
+    }
+    let paths = |results: Campbell, color: &str| {
+        let svg = campbell::svg(&data::report("A rotor", results)).expect("a diagram");
+        svg.lines().filter(|line| line.contains("<poly") && line.contains(color)).count()
+    };
+    let (blue, vermillion, green) = ("#005494", "#D55E00", "#009E73");
+    assert_eq!([blue, green].map(|c| paths(plain.clone(), c)), [0, 0]);
+    assert!(paths(plain, vermillion) > 0);
+    assert!([blue, vermillion, green].into_iter().all(|c| paths(changing.clone(), c) > 0));
+}
+
 #[test]
 fn unstable_ranges_are_shaded() {
     let mut results = data::rotor();
@@ -234,8 +263,7 @@ fn unstable_ranges_are_shaded() {
         branch: "1F".to_owned(),
         largest_growth_rate_1_s: 2.0,
     };
-    results.unstable_ranges =
-        Some(vec![range(2000.0, 2500.0), range(4000.0, 4000.1), range(9000.0, 20000.0)]);
+    results.unstable_ranges = vec![range(2000.0, 2500.0), range(4000.0, 4000.1), range(9000.0, 20000.0)];
     let report = data::report("A rotor", results.clone());
     let svg = campbell::svg(&report).expect("a diagram");
     assert_eq!(svg.matches("#FCE4E2").count(), 4, "three ranges and the legend");

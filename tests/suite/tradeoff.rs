@@ -606,8 +606,14 @@ fn warnings_go_with_their_points() {
         [4, 8, 16].into_iter().map(|n| warned(point("34X3", n, n as f64, 1e-9 / n as f64))).collect();
     let (found, remarks) = judged(&all, Reference::Finest, Some(1e-3));
     assert_eq!((found.reference.value, found.choice.is_none()), (None, true));
-    assert!(remarks.iter().any(|d| d.code == "nothing-to-compare" && d.message.contains("warned of its accuracy")));
-    assert!(remarks.iter().any(|d| d.code == "point-warned" && d.message.contains("every point: hollow-growth")));
+    assert!(
+        remarks
+            .iter()
+            .any(|d| d.code == "nothing-to-compare" && d.message.contains("warned of its accuracy"))
+    );
+    assert!(
+        remarks.iter().any(|d| d.code == "point-warned" && d.message.contains("every point: hollow-growth"))
+    );
     let (found, remarks) = judged(&all, ONE, Some(1e-3));
     assert_eq!(found.choice.expect("a choice").trust, Trust::Warned);
     assert!(codes(&remarks).contains(&"choice-warned"));
@@ -651,8 +657,18 @@ fn a_choice_names_what_was_refined() {
 #[test]
 fn members_of_the_family_are_ordered_where_one_holds_the_other() {
     let finer = |a: &str, b: &str| is_finer(&settings(a, 8), &settings(b, 8));
-    assert!(finer("34X3", "34X2") && finer("34R33", "34R23") && finer("34R24", "34R23") && finer("34R34", "34R23"));
-    assert!(!finer("34X2", "34X3") && !finer("34R32", "34R23") && !finer("34R23", "34X3") && !finer("3333c", "34X1"));
+    assert!(
+        finer("34X3", "34X2")
+            && finer("34R33", "34R23")
+            && finer("34R24", "34R23")
+            && finer("34R34", "34R23")
+    );
+    assert!(
+        !finer("34X2", "34X3")
+            && !finer("34R32", "34R23")
+            && !finer("34R23", "34X3")
+            && !finer("3333c", "34X1")
+    );
 }
 
 fn fieldtest_study(stem: &str) -> rotor::case::LoadedCase {
@@ -663,7 +679,15 @@ fn run_study(stem: &str, error: &str) -> (Output, Value) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/fieldtest/tradeoff/{stem}.json"));
     let output = Command::new(env!("CARGO_BIN_EXE_rotor"))
-        .args(["tradeoff", path.to_str().expect("path"), "--error", error, "--set", "tradeoff.repeats=1", "--out"])
+        .args([
+            "tradeoff",
+            path.to_str().expect("path"),
+            "--error",
+            error,
+            "--set",
+            "tradeoff.repeats=1",
+            "--out",
+        ])
         .arg(folder.path())
         .output()
         .expect("run");

@@ -45,7 +45,9 @@ pub fn branch(
     Branch {
         name: name.to_owned(),
         whirl,
+        whirl_at_speed: vec![whirl; speeds.len()],
         kind,
+        overdamped: Vec::new(),
         frequency_rad_s: speeds.iter().map(|&speed| hz(speed).map(|hz| hz * TAU)).collect(),
         log_decrement: vec![Some(0.0); speeds.len()],
     }
@@ -104,7 +106,8 @@ pub fn campbell(speeds: Vec<f64>, branches: Vec<Branch>, critical_speeds: Vec<Cr
         branches,
         critical_speeds,
         orders: vec![2.0],
-        unstable_ranges: None,
+        unstable_ranges: Vec::new(),
+        stability_threshold_rad_s: None,
         reduction: Reduction { basis: Some(60), measured_error: Some(1e-8), stiffening_error: None },
     }
 }
