@@ -9,6 +9,7 @@ mod tradeoff;
 use crate::analysis::matrices::matrices;
 use crate::case::{Case, LoadedCase, schema};
 use crate::error::{Error, Result};
+use crate::instructions::Instructions;
 use crate::model::Model;
 use crate::report::{files, json, matrix_market, table};
 use crate::results::{Diagnostic, Level};
@@ -89,12 +90,23 @@ struct RunArguments {
     /// Threads for independent speeds [default: all cores]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Vector instructions of the force kernels, narrower than the processor's to compute as another one does
+    #[arg(long, value_name = "SET", value_parser = instructions)]
+    instructions: Option<Instructions>,
     /// No progress and no notes; errors only
     #[arg(long)]
     quiet: bool,
     /// Do not draw
     #[arg(long)]
     no_plots: bool,
+}
+
+/// The set of vector instructions of that name, if this processor has it.
+fn instructions(name: &str) -> std::result::Result<Instructions, String> {
+    let available: Vec<&str> =
+        Instructions::NAMED.into_iter().filter(|set| set.are_available()).map(Instructions::name).collect();
+    let found = Instructions::from_name(name).filter(|set| set.are_available());
+    found.ok_or_else(|| format!("this processor has {}", available.join(", ")))
 }
 
 #[derive(Args)]
@@ -203,6 +215,9 @@ fn load(arguments: &RunArguments, analysis: &str) -> Result<(LoadedCase, PathBuf
     let folder = folder(arguments.out.as_ref(), &arguments.case);
     files::check_folder(&folder)?;
     respect(&folder, arguments.out.is_some(), &arguments.case, analysis, arguments.quiet)?;
+    if let Some(set) = arguments.instructions {
+        set.narrow_process();
+    }
     if let Some(threads) = arguments.threads {
         // fails only when a pool exists already, which then has the right size
         let _ = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();

@@ -482,8 +482,10 @@ pub struct Stator {
 /// An element that the program chose (`"element": "auto"`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElementChoice {
-    /// Member, segment, reason and estimate in words.
+    /// Member, reason and estimate in words; the same for segments that are alike.
     pub text: String,
+    /// Number of the segment, from 0.
+    pub segment: usize,
     /// Estimate of the relative error that its section functions leave.
     pub estimated_error: f64,
 }

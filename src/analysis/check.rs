@@ -1,6 +1,7 @@
 //! `rotor check`: what will be modelled, how big it is, and what it weighs.
 
 use super::estimates::slow_remark;
+use super::remarks::refusal;
 use super::{Outcome, ignored_input, model_remarks, summary};
 use crate::assembly::Assembly;
 use crate::error::Result;
@@ -100,13 +101,14 @@ pub fn check(model: &Model) -> Result<Outcome<Check>> {
     };
     let mut model_summary = summary(model, unknowns, p.mass());
     let mut diagnostics = ignored_input(model);
-    let asymmetric = model.sections.iter().any(|s| !s.is_axisymmetric());
-    match &model.campbell {
-        Some(_) if asymmetric => diagnostics.push(Diagnostic::warning(
+    match model.campbell.as_ref().map(|settings| (settings, refusal(model, settings))) {
+        Some((_, Some(refused))) => diagnostics.push(Diagnostic::warning(
             "campbell-refused",
-            "campbell at speed will be refused: a section is not axisymmetric",
+            format!("campbell will be refused: {}; remedy: {}", refused.reason, refused.remedy),
         )),
-        Some(settings) => model_summary.modelled.push(format!("campbell: {} speeds", settings.speeds.len())),
+        Some((settings, None)) => {
+            model_summary.modelled.push(format!("campbell: {} speeds", settings.speeds.len()));
+        }
         None => model_summary.left_out.push("spin: no `campbell` block".to_owned()),
     }
     diagnostics.extend(model_remarks(model, &assembly));

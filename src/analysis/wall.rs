@@ -63,8 +63,19 @@ pub fn digits_left(section: &Section) -> f64 {
 
 /// Elements the program chose, polynomials on a wall, and walls so thin that they lose digits.
 pub fn wall_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
-    diagnostics
-        .extend(model.choices.iter().map(|choice| Diagnostic::info("element-choice", choice.text.clone())));
+    // segments that are alike share a line
+    let mut told: Vec<(&str, Vec<String>)> = Vec::new();
+    for choice in &model.choices {
+        let segment = choice.segment.to_string();
+        match told.iter_mut().find(|(text, _)| *text == choice.text) {
+            Some((_, segments)) => segments.push(segment),
+            None => told.push((&choice.text, vec![segment])),
+        }
+    }
+    diagnostics.extend(told.into_iter().map(|(text, segments)| {
+        let of = if segments.len() == 1 { "segment" } else { "segments" };
+        Diagnostic::info("element-choice", format!("{of} {}: {text}", segments.join(", ")))
+    }));
     let mut seen: Vec<(usize, SectionBasis)> = Vec::new();
     for e in &model.elements {
         let (key, section) = ((e.section, e.kind.basis), &model.sections[e.section]);

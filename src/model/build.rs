@@ -214,9 +214,9 @@ impl Input<'_> {
             if let Some((Choice { basis, reason, estimate }, ..)) = &choice {
                 let (name, section) = (basis.member(), &shaft.segments[i].section);
                 let text = format!(
-                    "{name} for segment {i}, section \"{section}\": {reason}; estimated error of its functions {estimate:.0e}"
+                    "{name} for section \"{section}\": {reason}; estimated error of its functions {estimate:.0e}"
                 );
-                choices.push(ElementChoice { text, estimated_error: *estimate });
+                choices.push(ElementChoice { text, segment: i, estimated_error: *estimate });
             }
             let basis = choice.map(|(c, ..)| continuum(c.basis));
             kinds.push(asked.or(basis).unwrap_or(continuum(SectionBasis::Monomials(3))));

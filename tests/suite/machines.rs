@@ -3,92 +3,13 @@
 //! Another processor sums in another order. Two things stand in for it: the kernels' vector instructions, which can be chosen, and
 //! inputs that are moved by a few units in the last place.
 
-use crate::common::{case, case_files, model, scene_files, with};
+use crate::common::{case, case_files, model, scene_files, shaken, with};
 use rotor::analysis::spinup::spinup;
 use rotor::case::{Case, LoadedCase};
 use rotor::instructions::Instructions;
 use rotor::results::Spinup;
 use rotor::run::{Analysis, run};
 use serde_json::{Value, json};
-
-/// Most units in the last place by which an input moves.
-const UNITS: u64 = 4;
-
-/// Keys of counts, which are no measured quantities.
-const COUNTS: [&str; 17] = [
-    "elements",
-    "count",
-    "modes",
-    "points",
-    "output",
-    "max_steps",
-    "max_iterations",
-    "load_steps",
-    "repeats",
-    "orders",
-    "segments",
-    "reduction",
-    "axial",
-    "section",
-    "n",
-    "circumferential_order",
-    "tolerance",
-];
-
-/// Numbers between 0 and n in an order that a seed fixes (Knuth's multiplicative generator).
-struct Dice(u64);
-
-impl Dice {
-    fn below(&mut self, n: u64) -> u64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 33) % n
-    }
-}
-
-/// x moved by at most [`UNITS`] units in the last place; zero stays.
-fn moved(x: f64, dice: &mut Dice) -> f64 {
-    let steps = dice.below(2 * UNITS + 1) as i64 - UNITS as i64;
-    let mut x = x;
-    for _ in 0..steps.abs() {
-        x = if steps > 0 { x.next_up() } else { x.next_down() };
-    }
-    if x.abs() < f64::MIN_POSITIVE { 0.0 } else { x }
-}
-
-/// Moves every quantity of a case; numbers with a unit too.
-fn shake(value: &mut Value, key: &str, dice: &mut Dice) {
-    match value {
-        Value::Object(map) => {
-            for (key, value) in map.iter_mut() {
-                if !["expected", "tradeoff", "title", "description", "source"].contains(&key.as_str()) {
-                    shake(value, key, dice);
-                }
-            }
-        }
-        Value::Array(list) => list.iter_mut().for_each(|v| shake(v, key, dice)),
-        Value::Number(n) if !COUNTS.contains(&key) => {
-            if let Some(x) = n.as_f64().filter(|x| *x != 0.0) {
-                *value = json!(moved(x, dice));
-            }
-        }
-        Value::String(text) => {
-            let Some((number, unit)) = text.split_once(' ') else { return };
-            if let Ok(x) = number.parse::<f64>()
-                && x != 0.0
-            {
-                *value = json!(format!("{:?} {unit}", moved(x, dice)));
-            }
-        }
-        _ => {}
-    }
-}
-
-fn shaken(case: &LoadedCase, seed: u64) -> LoadedCase {
-    let mut value = case.value.clone();
-    // the block of segments is a list of objects: its key names no count
-    shake(&mut value, "", &mut Dice(seed));
-    LoadedCase::from_value(&case.file, value).unwrap_or_else(|e| panic!("{e}"))
-}
 
 /// What rounding may change in a report: numbers, and how an iteration went.
 const PATHS: [&str; 9] = [

@@ -31,6 +31,8 @@ pub struct Cell {
     pub said: Vec<String>,
     /// Exit code and first line of a refusal.
     pub refused: Option<(u8, String)>,
+    /// What the same cell said when its inputs moved by a few units in the last place, where that is something else.
+    pub wavered: Option<String>,
 }
 
 impl Cell {
@@ -81,6 +83,7 @@ pub fn cell(
         noise: None,
         said: Vec::new(),
         refused: None,
+        wavered: None,
     };
     let refused =
         |e: Error| Some((e.exit_code(), e.to_string().lines().next().unwrap_or_default().to_owned()));
@@ -97,5 +100,21 @@ pub fn cell(
         }
         (Err(e), _) | (_, Err(e)) => made.refused = refused(e),
     }
+    // a run of a million steps is not repeated
+    if family == "transient steps" {
+        return made;
+    }
+    let moved = crate::common::shaken(case, 11);
+    let checked = Model::new(&moved).and_then(|model| check(&model));
+    made.wavered = match (checked, measure(&moved), &made.refused) {
+        (Ok(checked), Ok((value, remarks)), None) => {
+            let (said, error) = (codes(&[checked.diagnostics, remarks].concat()), (value / exact - 1.0).abs());
+            (said != made.said || (error <= bound) != made.error.is_some_and(|e| e <= bound))
+                .then(|| format!("{} at an error of {error:e}", said.join(", ")))
+        }
+        (Err(e), _, Some(_)) | (_, Err(e), Some(_)) if refused(e.clone()).map(|r| r.0) == made.refused.as_ref().map(|r| r.0) => None,
+        (Err(e), ..) | (_, Err(e), _) => Some(e.to_string()),
+        (Ok(_), Ok((value, _)), Some(_)) => Some(format!("a value, {value}")),
+    };
     made
 }

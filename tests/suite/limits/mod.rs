@@ -78,6 +78,7 @@ fn every_cell_is_within_its_bound_or_says_so() {
             "silent rounding: {}",
             row(c)
         );
+        assert!(c.wavered.is_none(), "moved by rounding: {:?}: {}", c.wavered, row(c));
         assert!(c.refused.as_ref().is_none_or(|(code, _)| *code == 1), "{}", row(c));
     }
     keep("docs/limits.md", &(HEAD.to_owned() + &list.iter().map(row).collect::<String>()));
