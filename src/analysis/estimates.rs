@@ -264,7 +264,11 @@ pub fn estimates(model: &Model, assembly: &Assembly<'_>, diagnostics: &mut Vec<D
         }
     }
     if model.elements.len() <= 2
-        && model.elements.iter().any(|e| e.length > LONG * model.sections[e.section].outer_size())
+        && model
+            .elements
+            .iter()
+            // an element of exactly that length is not long, whatever rounding says
+            .any(|e| e.length > LONG * (1.0 + 1e-9) * model.sections[e.section].outer_size())
     {
         warn(
             "coarse-mesh",
