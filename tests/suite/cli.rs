@@ -375,7 +375,14 @@ fn vector_instructions_can_be_chosen() {
     let run = |set: &str, out: &str| {
         let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/table9-spin-ellipse.json");
         Command::new(env!("CARGO_BIN_EXE_rotor"))
-            .args(["spinup", case.to_str().expect("path"), "--set", "spinup.steady=true", "--no-plots", "--quiet"])
+            .args([
+                "spinup",
+                case.to_str().expect("path"),
+                "--set",
+                "spinup.steady=true",
+                "--no-plots",
+                "--quiet",
+            ])
             .args(["--instructions", set, "--out", out])
             .current_dir(folder.path())
             .output()

@@ -103,6 +103,8 @@ pub fn criticals_rpm(case: &LoadedCase) -> Vec<f64> {
 /// numbers may differ by one and a half decades (rounding differs by machine), below 1e-9 by anything; digits, which are
 /// decades, by one and a half.
 pub fn keep(path: &str, text: &str) {
+    /// `log10(1e-9 / eps)`.
+    const NOISE_DIGITS: f64 = 6.65;
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
     if std::env::var_os("ROTOR_WRITE_DOCS").is_some() {
         std::fs::write(&file, text).expect("written");
@@ -118,7 +120,8 @@ pub fn keep(path: &str, text: &str) {
         for (column, (a, b)) in ours.split('|').zip(kept.split('|')).enumerate() {
             let digits = heads.get(column).is_some_and(|head| head.contains("digits"));
             let near = match (a.trim().parse::<f64>(), b.trim().parse::<f64>()) {
-                (Ok(x), Ok(y)) if digits => (x - y).abs() <= 1.5,
+                // the digits that a change of 1e-9 takes: what is below is noise, as in the other columns
+                (Ok(x), Ok(y)) if digits => (x.max(NOISE_DIGITS) - y.max(NOISE_DIGITS)).abs() <= 1.5,
                 (Ok(x), Ok(y)) => {
                     let small = |v: f64| v.abs().max(1e-9);
                     (small(x) / small(y)).log10().abs() <= 1.5

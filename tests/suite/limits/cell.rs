@@ -108,11 +108,16 @@ pub fn cell(
     let checked = Model::new(&moved).and_then(|model| check(&model));
     made.wavered = match (checked, measure(&moved), &made.refused) {
         (Ok(checked), Ok((value, remarks)), None) => {
-            let (said, error) = (codes(&[checked.diagnostics, remarks].concat()), (value / exact - 1.0).abs());
+            let (said, error) =
+                (codes(&[checked.diagnostics, remarks].concat()), (value / exact - 1.0).abs());
             (said != made.said || (error <= bound) != made.error.is_some_and(|e| e <= bound))
                 .then(|| format!("{} at an error of {error:e}", said.join(", ")))
         }
-        (Err(e), _, Some(_)) | (_, Err(e), Some(_)) if refused(e.clone()).map(|r| r.0) == made.refused.as_ref().map(|r| r.0) => None,
+        (Err(e), _, Some(_)) | (_, Err(e), Some(_))
+            if refused(e.clone()).map(|r| r.0) == made.refused.as_ref().map(|r| r.0) =>
+        {
+            None
+        }
         (Err(e), ..) | (_, Err(e), _) => Some(e.to_string()),
         (Ok(_), Ok((value, _)), Some(_)) => Some(format!("a value, {value}")),
     };
