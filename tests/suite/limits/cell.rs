@@ -40,10 +40,15 @@ impl Cell {
     pub fn verdict(&self) -> &'static str {
         match (&self.refused, self.error) {
             (Some(_), _) => "refused",
-            (None, Some(error)) if error <= self.bound => "within",
+            (None, Some(error)) if error <= self.bound && !self.is_rounded() => "within",
             (None, Some(error)) if error.is_finite() && !self.said.is_empty() => "warned",
             _ => "SILENT",
         }
+    }
+
+    /// True when rounding is so large a part of the bound that it decides whether the error is within.
+    fn is_rounded(&self) -> bool {
+        self.noise.is_some_and(|noise| noise > self.bound / 10.0)
     }
 
     /// Decimal digits that rounding took from a result.
@@ -110,7 +115,8 @@ pub fn cell(
         (Ok(checked), Ok((value, remarks)), None) => {
             let (said, error) =
                 (codes(&[checked.diagnostics, remarks].concat()), (value / exact - 1.0).abs());
-            (said != made.said || (error <= bound) != made.error.is_some_and(|e| e <= bound))
+            let crossed = (error <= bound) != made.error.is_some_and(|e| e <= bound);
+            (said != made.said || (crossed && !made.is_rounded()))
                 .then(|| format!("{} at an error of {error:e}", said.join(", ")))
         }
         (Err(e), _, Some(_)) | (_, Err(e), Some(_))
