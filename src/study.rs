@@ -227,8 +227,8 @@ fn written_out(loaded: &LoadedCase, settings: &Settings) -> Result<Settings> {
                 "whole numbers from 1 to 10000",
             ));
         };
-        let segments = loaded.case.shaft.iter().flat_map(|s| &s.segments).map(|s| u64::from(s.elements));
-        let bodies = loaded.case.bodies.iter().map(|b| u64::from(b.elements));
+        let segments = loaded.case.shaft.iter().flat_map(|s| &s.segments).map(|s| s.elements);
+        let bodies = loaded.case.bodies.iter().map(|b| b.elements);
         let list: [(&str, Vec<u64>); 2] =
             [("shaft.segments", segments.collect()), ("bodies", bodies.collect())];
         for (i, (place, elements)) in list.iter().flat_map(|(p, l)| l.iter().map(move |n| (p, n))).enumerate()

@@ -50,7 +50,7 @@ pub struct Excess {
 }
 
 /// Length of the elements that have the same section as the first, and the section after them.
-fn run<'a>(list: &mut dyn Iterator<Item = &'a Element>, section: usize) -> (f64, Option<usize>) {
+fn run(list: &mut dyn Iterator<Item = &Element>, section: usize) -> (f64, Option<usize>) {
     let mut length = 0.0;
     for e in list {
         if e.section != section {

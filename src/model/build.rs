@@ -493,13 +493,6 @@ impl Input<'_> {
                     "\"rigid\", \"rim\" or \"bore\"; or an element 34X1 .. 34X5 there",
                 );
             }
-            if list.iter().any(|other| other.node == node && other.hub != hub) {
-                return self.fault(
-                    &at("hub"),
-                    "two disks at one place have different hubs",
-                    "the same hub for both",
-                );
-            }
             let offset = d.offset.map_or([0.0; 2], |o| o.map(|c| c.0));
             list.push(Disk { node, mass, polar_inertia: polar, diametral_inertia: diametral, offset, hub });
         }

@@ -241,3 +241,20 @@ fn a_disk_beside_a_segments_end_snaps_to_it() {
     assert_eq!(said(0.4), None);
     assert!(said(0.40000002).is_some_and(|text| text.contains("disks.0.at") && text.contains("0.4 m")));
 }
+
+/// Disks of several hubs may share a place: a soft one on a rigid hub is rigid too.
+#[test]
+fn a_soft_disk_on_a_rigid_hub_is_a_rigid_disk() {
+    let lowest = |second: &str| {
+        let disk = |hub: &str| json!({ "at": 0.4, "mass": 8, "polar_inertia": 0.05, "diametral_inertia": 0.04, "hub": hub });
+        let more = json!({
+            "disks": [disk("rigid"), disk(second)],
+            "supports": [{ "at": 0, "kind": "pinned" }, { "at": 1.2, "kind": "roller" }],
+            "modes": { "count": 8 }
+        });
+        of_kind(&shaft(json!({ "shape": "circle", "radius": 0.03 }), 1.2, 12, more), ModeKind::Bending)
+    };
+    for (ours, right) in lowest("soft").into_iter().zip(lowest("rigid")) {
+        near(ours, right, 1e-5, "soft on rigid");
+    }
+}

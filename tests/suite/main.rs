@@ -27,6 +27,7 @@ mod memory;
 mod mutations;
 mod near_copies;
 mod nonlinear;
+mod outside;
 mod plausible;
 mod plots;
 mod published;
