@@ -9,7 +9,7 @@
 //! The table holds `missing` for steps of the outer radius and of the bore. It was taken from solids of revolution
 //! (nine-node quadratic elements graded into the corner, nu 0.3) less the program's own elements, a rod under a uniform
 //! moment, torque or force; tests/suite/steps.rs repeats it. Bores common to both sides change polynomials by less
-//! than a tenth up to 0.8 of the radius, rings by the factor of [`ring_factor`].
+//! than a tenth up to 0.8 of the radius, rings by the factor of `ring_factor`.
 
 use crate::section::Section;
 use crate::vectors::SectionBasis;
