@@ -184,7 +184,7 @@ pub fn check(results: &Check) -> String {
          estimated                {:.0} MB, {:.1} s (campbell on one core)\n",
         results.nodes,
         results.unconstrained_degrees_of_freedom,
-        results.length_m,
+        short(results.length_m),
         results.shaft_mass_kg,
         results.disk_mass_kg,
         results.polar_inertia_kg_m2,
@@ -195,16 +195,32 @@ pub fn check(results: &Check) -> String {
     )
 }
 
+/// Share of the largest value beside it below which a value is what rounding leaves of zero.
+const NOISE: f64 = 1e-11;
+
+/// A value with so many decimals, or "0" where it is noise beside the largest of its kind.
+fn beside(value: f64, largest: f64, decimals: usize) -> String {
+    if value.abs() <= NOISE * largest { "0".to_owned() } else { format!("{value:.decimals$e}") }
+}
+
+/// Largest of some values, by size.
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |most, v| most.max(v.abs()))
+}
+
 /// Displacements and stress at the probes.
 fn probes(list: &[ProbeState]) -> String {
     let mut rows = Vec::new();
+    let points = || list.iter().flat_map(|probe| probe.point.iter().chain(&probe.points));
+    let moved = largest(points().flat_map(|p| p.displacement_m));
+    let stressed = largest(points().map(|p| p.stress_pa.von_mises));
     for probe in list {
         for point in probe.point.iter().chain(&probe.points) {
             let [x, y, z] = point.displacement_m;
             let mut row = vec![probe.name.clone(), format!("{:.4}", probe.at_m)];
             row.extend([point.y_m, point.z_m].map(|v| format!("{v:.4}")));
-            row.extend([x, y, z].map(|v| format!("{v:.6e}")));
-            row.push(format!("{:.4e}", point.stress_pa.von_mises));
+            row.extend([x, y, z].map(|v| beside(v, moved, 6)));
+            row.push(beside(point.stress_pa.von_mises, stressed, 4));
             rows.push(row);
         }
     }
@@ -229,12 +245,13 @@ pub fn statics(results: &Static) -> String {
         results.largest_strain
     );
     text += &probes(&results.probes);
+    let carried = largest(results.reactions.iter().flat_map(|r| r.force_n));
     let rows: Vec<Vec<String>> = results
         .reactions
         .iter()
         .map(|r| {
             let mut row = vec![format!("{:.4}", r.at_m)];
-            row.extend(r.force_n.map(|f| format!("{f:.6e}")));
+            row.extend(r.force_n.map(|f| beside(f, carried, 6)));
             row.push(r.support.clone());
             row
         })
@@ -577,4 +594,15 @@ pub fn contact(results: &Contact) -> String {
         solver.steps, solver.cut, solver.iterations, solver.complementarity_problems, solver.searches
     );
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_and_the_rounding_of_sums_are_not_printed() {
+        assert_eq!([beside(3.99e-6, 1.9e8, 6), beside(-2.5, 1.9e8, 2)], ["0", "-2.50e0"]);
+        assert_eq!([short(3.3999999999999995), short(2.0), short(0.0)], ["3.4", "2", "0"]);
+    }
 }
