@@ -126,12 +126,20 @@ pub fn keep(path: &str, text: &str) {
                     let small = |v: f64| v.abs().max(1e-9);
                     (small(x) / small(y)).log10().abs() <= 1.5
                 }
+                // a reason may hold a number that rounding moves
+                _ if a.trim().starts_with("exit") => reason(a) == reason(b),
                 _ => a == b,
             };
             assert!(near, "{path}: {ours}\nkept {kept}\n{remake}");
         }
         assert_eq!(ours.matches('|').count(), kept.matches('|').count(), "{path}: {remake}");
     }
+}
+
+/// The words of a reason without its numbers.
+fn reason(text: &str) -> String {
+    let is_word = |word: &&str| word.trim_matches([',', ';', ':']).parse::<f64>().is_err();
+    text.split_whitespace().filter(is_word).collect::<Vec<_>>().join(" ")
 }
 
 /// Writes a figure when documents are made; else it must be there.
