@@ -21,6 +21,9 @@ for _ in $(seq 600); do
     [ "$(finished)" -ge 2 ] && break
     sleep 0.1
 done
+# what has just been written may not be in the workflow's own books yet: only these batches must stay
+early=$(cd "$out/results/batches" && ls ./*.json)
+sleep 1
 kill -9 -- "-$leader" 2>/dev/null || true
 wait "$leader" 2>/dev/null || true
 before=$(finished)
@@ -28,7 +31,7 @@ if [ "$before" -lt 2 ] || [ -e "$out/results/distribution.json" ]; then
     echo "the study was not killed in the middle: $before batches" >&2
     exit 1
 fi
-(cd "$out/results/batches" && sha256sum ./*.json) >"$out/before"
+(cd "$out/results/batches" && sha256sum $early) >"$out/before"
 stamp=$(cd "$out/results/batches" && stat -c '%n %Y' $(sed 's/.*\.\///' "$out/before"))
 
 "$python" -m snakemake -s tolerance/Snakefile --directory "$out/work" --unlock --quiet all >/dev/null 2>&1 || true

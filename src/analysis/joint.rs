@@ -4,7 +4,9 @@
 //! step. Shared functions of a low order cannot leave that corner alone. What they miss is written as a piece of the
 //! common section, `missing` times its outer radius R long, that stands in for the wide side:
 //!
+//! ```text
 //!     dc = missing R sum over both sides (1/S_common - 1/S_side)       S = E I, G J or E A
+//! ```
 //!
 //! The table holds `missing` for steps of the outer radius and of the bore. It was taken from solids of revolution
 //! (nine-node quadratic elements graded into the corner, nu 0.3) less the program's own elements, a rod under a uniform
