@@ -283,8 +283,8 @@ fn clear_remark(state: &SpinState, diagnostics: &mut Vec<Diagnostic>) {
         diagnostics.push(Diagnostic::warning(
             "growth-disturbed",
             format!(
-                "no section stands two radii clear of ends, disks, supports and joints: the growth at {} m is changed by them; \
-                 results.growth has it along the whole shaft",
+                "no section stands two radii and two elements clear of ends, disks, supports and joints: the growth at {} m is \
+                 changed by them; results.growth has it along the whole shaft; shorter elements leave more of the shaft clear",
                 state.growth_at_m
             ),
         ));
