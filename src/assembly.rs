@@ -260,6 +260,11 @@ impl<'a> Assembly<'a> {
         self.build(None, self.bearings(|b| b.stiffness))
     }
 
+    /// A law of every bearing between the displacements (or velocities) it feels and its forces, as a matrix.
+    pub fn bearing_matrix(&self, law: impl Fn(&crate::model::Bearing) -> [[f64; 2]; 2]) -> Sparse {
+        self.build(None, self.bearings(law))
+    }
+
     /// Stiffness of shaft and hubs about the undeformed state, without bearings.
     pub fn elastic_parts(&self) -> Parts {
         self.parts(

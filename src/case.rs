@@ -416,10 +416,14 @@ pub struct Load {
     pub surface: Option<Surface>,
     /// Force per area.
     pub traction: Option<[Stress; 3]>,
-    /// Pressure against the surface, on its undeformed area and in its undeformed direction.
+    /// Pressure against the surface as it is now.
     pub pressure: Option<Stress>,
-    /// Whether traction or pressure follows the surface, default false.
+    /// Whether the components are along axes that turn with the section, default false: axes fixed in space. A pressure
+    /// always follows.
     pub follower: Option<bool>,
+    /// Moment and pressure as the tractions that they are on the undeformed shaft, in size and direction, whatever the
+    /// motion; default false.
+    pub dead: Option<bool>,
 }
 
 /// Direction of a line of probe points.

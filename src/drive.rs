@@ -17,18 +17,25 @@ pub struct Turn {
 /// Phases of a drive that starts at rest, `Omega = a + (b - a) (1 - cos(pi (t - t0)/T)) / 2` in each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
+    /// Speed at t = 0, rad/s.
+    start: f64,
     phases: Vec<Phase>,
 }
 
 impl Drive {
     /// The drive of those phases; their ends ascend.
     pub fn new(phases: &[Phase]) -> Self {
-        Self { phases: phases.to_vec() }
+        Self { start: 0.0, phases: phases.to_vec() }
+    }
+
+    /// A speed that never changes, rad/s.
+    pub fn constant(speed: f64) -> Self {
+        Self { start: speed, phases: Vec::new() }
     }
 
     /// Angle, speed and acceleration at a time `t >= 0`; after the last phase its speed is kept.
     pub fn at(&self, t: f64) -> Turn {
-        let (mut start, mut angle, mut from) = (0.0, 0.0, 0.0);
+        let (mut start, mut angle, mut from) = (0.0, 0.0, self.start);
         for &Phase { until, speed } in &self.phases {
             let (length, change) = (until - start, speed - from);
             let elapsed = t.min(until) - start;
@@ -50,12 +57,12 @@ impl Drive {
 
     /// Largest speed, rad/s.
     pub fn largest_speed(&self) -> f64 {
-        self.phases.iter().map(|p| p.speed).fold(0.0, f64::max)
+        self.phases.iter().map(|p| p.speed).fold(self.start, f64::max)
     }
 
     /// Speed after the last phase, rad/s.
     pub fn last_speed(&self) -> f64 {
-        self.phases.last().map_or(0.0, |p| p.speed)
+        self.phases.last().map_or(self.start, |p| p.speed)
     }
 }
 

@@ -15,7 +15,7 @@ use crate::drive::{Drive, Turn};
 use crate::error::Result;
 use crate::forces::{Forces, ScalarMass, Workspace};
 use crate::linalg::chain::{Chain, Layout, Terms};
-use crate::loads::{dead_loads, weight};
+use crate::loads::{Loads, Turned, Which};
 use crate::model::{Frame, Model, Stator, SupportKind};
 use crate::rub::{self, Contact, Ring, Rub, Touch};
 use crate::support::{Contribution, displacement_weights, drives};
@@ -65,6 +65,8 @@ pub struct Powers {
     pub bearings: f64,
     /// Power that friction at stators takes, W.
     pub friction: f64,
+    /// Power of the loads that have no potential, those whose forces depend on the place, W.
+    pub loads: f64,
 }
 
 /// Energies and momentum of a state.
@@ -74,7 +76,7 @@ pub struct State {
     pub kinetic: f64,
     /// Strain energy, J.
     pub strain: f64,
-    /// Potential of gravity and dead loads, zero in the undeformed shaft at angle zero, J.
+    /// Potential of gravity and of loads fixed in space, zero in the undeformed shaft at angle zero, J.
     pub potential: f64,
     /// Potential of penetrated stators, J.
     pub stators: f64,
@@ -123,7 +125,7 @@ pub struct Dynamics<'a> {
     bearings: Vec<BearingLaw>,
     rub: Rub,
     reference: Vec<f64>,
-    load: Vec<f64>,
+    loads: Loads,
     nodes: Vec<NodePlace>,
     linear: Linear,
     mass_factor: Chain,
@@ -205,10 +207,7 @@ impl<'a> Dynamics<'a> {
         let (model, numbering) = (assembly.model, &assembly.numbering);
         let forces = Forces::new(assembly)?;
         let mass = ScalarMass::new(model);
-        let mut load = dead_loads(model, numbering);
-        if model.has_gravity() {
-            load.iter_mut().zip(weight(model, numbering, &mass)).for_each(|(f, w)| *f += w);
-        }
+        let loads = Loads::new(model, numbering, &mass, Which::All);
         let nodes = (0..model.nodes.len())
             .map(|node| {
                 let range = numbering.of_node(node);
@@ -246,7 +245,7 @@ impl<'a> Dynamics<'a> {
             external,
             bearings,
             rub: Rub::default(),
-            load,
+            loads,
             nodes,
             linear,
             work: Workspace::default(),
@@ -386,11 +385,13 @@ impl<'a> Dynamics<'a> {
         }
         self.powers.friction =
             if self.rub.near { self.rub.add(&m.position, &m.velocity, &mut m.inertia) } else { 0.0 };
-        for (f, load) in m.inertia.chunks_exact_mut(3).zip(self.load.chunks_exact(3)) {
-            f[0] -= load[0];
-            f[1] -= cos * load[1] + sin * load[2];
-            f[2] -= cos * load[2] - sin * load[1];
-        }
+        let axes = Turned { sin, cos };
+        self.loads.add(&m.position, axes, -1.0, &mut m.inertia);
+        self.powers.loads = if self.loads.depend_on_place() {
+            self.loads.power_without_potential(&m.position, &m.velocity, axes)
+        } else {
+            0.0
+        };
         self.powers.torque = moment(&m.position, &m.inertia);
         m.residual.iter_mut().zip(&m.inertia).for_each(|(r, f)| *r += f);
         let (sin, cos) = turn.angle.sin_cos();
@@ -399,6 +400,23 @@ impl<'a> Dynamics<'a> {
                 turn_pair(&mut m.residual[at..], -sin, cos);
             }
         }
+    }
+
+    /// Forces out of balance at the last evaluation, on the free coordinates, N.
+    pub fn imbalance(&self, force: &mut [f64]) {
+        self.assembly.project(&self.memory.residual, force);
+    }
+
+    /// Power of every load at the last evaluation, W, with its path in the case.
+    pub fn load_powers(&self) -> Vec<(&str, f64)> {
+        let m = &self.memory;
+        let (sin, cos) = if self.frame == Frame::Rotating { m.turned } else { (0.0, 1.0) };
+        self.loads.powers(&m.position, &m.velocity, Turned { sin, cos })
+    }
+
+    /// True when some load has no potential.
+    pub fn has_loads_without_potential(&self) -> bool {
+        self.loads.depend_on_place()
     }
 
     /// Forces of the supports on all coordinates at the last evaluation, in fixed directions: resultant at each
@@ -627,7 +645,7 @@ impl<'a> Dynamics<'a> {
         let (sin, cos) = if self.frame == Frame::Rotating { turn.angle.sin_cos() } else { (0.0, 1.0) };
         let mut potential = 0.0;
         for ((q, q0), f) in
-            m.position.chunks_exact(3).zip(self.reference.chunks_exact(3)).zip(self.load.chunks_exact(3))
+            m.position.chunks_exact(3).zip(self.reference.chunks_exact(3)).zip(self.loads.fixed().chunks_exact(3))
         {
             let (y, z) = (cos * q[1] - sin * q[2], sin * q[1] + cos * q[2]);
             potential -= f[0] * (q[0] - q0[0]) + f[1] * (y - q0[1]) + f[2] * (z - q0[2]);

@@ -359,8 +359,19 @@ pub enum LoadKind {
     Moment([f64; 3]),
 }
 
-/// A dead load at a node: it keeps its direction in space.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// What happens to a load when the shaft moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reading {
+    /// Axes fixed in space: a force on the section where it is, a moment on its rotation, a traction per undeformed area.
+    FixedInSpace,
+    /// Axes that turn with the section; pressure on the surface as it is.
+    Following,
+    /// The tractions that the load is on the undeformed shaft, in size and direction, whatever the motion.
+    Dead,
+}
+
+/// A load at a node.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Load {
     /// Node it acts on.
     pub node: usize,
@@ -368,6 +379,21 @@ pub struct Load {
     pub kind: LoadKind,
     /// What it takes hold of.
     pub acts_on: ActsOn,
+    /// How it moves.
+    pub reading: Reading,
+    /// JSON path, for messages and reports.
+    pub path: String,
+}
+
+impl Load {
+    /// True when it does not change as seen from the turning shaft: it follows, or acts along or about x alone.
+    pub fn is_constant_in_turning_frame(&self) -> bool {
+        let (axial, turns) = match self.kind {
+            LoadKind::Force([_, y, z]) => ([y, z] == [0.0; 2], true),
+            LoadKind::Moment([_, y, z]) => ([y, z] == [0.0; 2], self.reading != Reading::Dead),
+        };
+        self.reading == Reading::Following || (axial && turns)
+    }
 }
 
 /// Force per area of a surface.
@@ -375,17 +401,29 @@ pub struct Load {
 pub enum SurfaceLoad {
     /// Force per undeformed area `[x, y, z]`, Pa.
     Traction([f64; 3]),
-    /// Against the undeformed surface, Pa.
+    /// Against the surface, Pa.
     Pressure(f64),
 }
 
-/// A dead load on a part of the lateral surface of the whole shaft, of its bore where it has one.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A load on a part of the lateral surface of the whole shaft, of its bore where it has one.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Traction {
     /// Where.
     pub surface: Surface,
     /// How much.
     pub load: SurfaceLoad,
+    /// How it moves; pressure follows or is dead.
+    pub reading: Reading,
+    /// JSON path, for messages and reports.
+    pub path: String,
+}
+
+impl Traction {
+    /// True when it does not change as seen from the turning shaft: it follows, or acts along x alone.
+    pub fn is_constant_in_turning_frame(&self) -> bool {
+        self.reading == Reading::Following
+            || matches!(self.load, SurfaceLoad::Traction([_, y, z]) if [y, z] == [0.0; 2])
+    }
 }
 
 /// Settings of the static analysis.

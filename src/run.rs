@@ -125,7 +125,7 @@ pub fn run(
             let settings = model.campbell.as_ref().ok_or_else(|| missing_block(loaded, "campbell"))?;
             // what the analysis refuses about the model is a fault of the case
             if let Some(refused) = analysis::remarks::refusal(&model, settings) {
-                return Err(loaded.fault(refused.path, refused.reason, refused.remedy));
+                return Err(loaded.fault(&refused.path, refused.reason, refused.remedy));
             }
             let outcome =
                 analysis::campbell::campbell(&model, settings, progress).map_err(|e| refused(loaded, e))?;
@@ -146,7 +146,7 @@ pub fn run(
         Analysis::Spinup => {
             let settings = model.spinup.as_ref().ok_or_else(|| missing_block(loaded, "spinup"))?;
             if let Some(refused) = analysis::spinup::refusal(&model, settings) {
-                return Err(loaded.fault(refused.path, refused.reason, refused.remedy));
+                return Err(loaded.fault(&refused.path, refused.reason, refused.remedy));
             }
             let outcome =
                 analysis::spinup::spinup(&model, settings, watch).map_err(|e| refused(loaded, e))?;

@@ -151,6 +151,11 @@ impl Region {
         Self::of(functions_at(model, node), section_at(model, node)?, acts_on)
     }
 
+    /// The whole section of a field, or a boundary of it; `None` for the axis.
+    pub fn of_field(model: &Model, field: Field, acts_on: ActsOn) -> Option<Self> {
+        Self::of(functions(model, field), model.sections[field.section], acts_on)
+    }
+
     fn of(functions: SectionFunctions, section: Section, acts_on: ActsOn) -> Option<Self> {
         let line = match (acts_on, acts_on.surface()) {
             (ActsOn::Axis, _) => return None,
@@ -191,7 +196,7 @@ impl Region {
 
     /// Rows of the mean affine motion in the measure of the first three vectors: `int f_k`, `R int y f_k / int y^2` and
     /// `R int z f_k / int z^2`, the first over the size. What they give of `r + y r_,y + z r_,z` is r, R r_,y and R r_,z.
-    fn affine(&self, reference_length: f64) -> [Vec<f64>; 3] {
+    pub fn affine(&self, reference_length: f64) -> [Vec<f64>; 3] {
         let slope = |a: usize, b: usize| {
             let per = self.moment(2 * a, 2 * b) / reference_length;
             self.integrals_per(a, b, [per, 1.0])
@@ -284,7 +289,9 @@ fn disk_vectors(model: &Model, numbering: &Numbering, disk: &Disk) -> [Vec<(usiz
     affine_rows(model, numbering, disk.node, disk.hub.acts_on())
 }
 
-fn affine_rows(model: &Model, numbering: &Numbering, node: usize, acts_on: ActsOn) -> [Vec<(usize, f64)>; 3] {
+/// r, R r_,y and R r_,z of the mean affine motion of what is taken hold of at a node, as rows over the coordinates (first
+/// component).
+pub fn affine_rows(model: &Model, numbering: &Numbering, node: usize, acts_on: ActsOn) -> [Vec<(usize, f64)>; 3] {
     let rows = match Region::new(model, node, acts_on) {
         Some(region) => region.affine(model.reference_length),
         None => [vec![1.0], vec![0.0, 1.0], vec![0.0, 0.0, 1.0]],

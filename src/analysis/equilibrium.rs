@@ -1,20 +1,22 @@
 //! States of equilibrium: Newton's method with line search on
 //!
 //! ```text
-//!     g(z) = T^T [ F(q) + B u + Omega^2 M J^2 q - lambda f ] = 0,    q = q0 + T z
+//!     g(z) = T^T [ F(q) + B u + Omega D q + Omega^2 M J^2 q - lambda f(q) ] = 0,    q = q0 + T z
 //! ```
 //!
-//! (B bearings, f dead loads) in the frame that turns with the shaft. Convergence is measured by energies, so it
-//! does not depend on units. Motions that nothing resists are pinned. Source: docs/theory.md sections 5, 6.
+//! (B bearings, D what damping by space and by bearings feels of the rotation, f loads) in the frame that turns with the
+//! shaft. Convergence is measured by energies, so it does not depend on units. Motions that nothing resists are pinned.
+//! Source: docs/theory.md sections 5, 6.
 
 use super::spectrum::Flexibility;
 use crate::assembly::Assembly;
 use crate::error::Result;
 use crate::forces::{Forces, ScalarMass, Workspace};
-use crate::linalg::sparse::{Sparse, combine, multiply};
-use crate::loads::{dead_loads, weight};
-use crate::model::Element;
-use faer::Mat;
+use crate::linalg::sparse::{Sparse, combine, multiply, symmetric_part};
+use crate::loads::{Loads, Turned, Which};
+use crate::model::{Bearing, Element};
+use crate::support::bearing_rows;
+use faer::{Mat, Scale};
 
 /// Smallest share of the load by which a step may advance.
 const SMALLEST_STEP: f64 = 1.0 / 1024.0;
@@ -23,7 +25,7 @@ const ROUNDING: f64 = 1e-13;
 /// Strain whose energy is rounding.
 const ROUNDING_STRAIN: f64 = 1e-14;
 
-/// The forces on a shaft at constant speed under dead loads.
+/// The forces on a shaft at constant speed under its loads.
 pub struct Balance<'a> {
     /// The assembly.
     pub assembly: &'a Assembly<'a>,
@@ -33,13 +35,18 @@ pub struct Balance<'a> {
     pub mass: ScalarMass,
     /// Undeformed state q0.
     pub reference: Vec<f64>,
-    /// Dead loads on all coordinates at full load, N.
-    pub load: Vec<f64>,
+    /// Loads.
+    pub loads: Loads,
     /// Spin speed, rad/s.
     pub speed: f64,
     /// Energy of rounding, J.
     rounding: f64,
     bearings: Sparse,
+    /// What damping by space and by bearings feels of the rotation, per unit speed; none where it does not act.
+    drag: Option<Sparse>,
+    external: Option<ScalarMass>,
+    /// The tangent is not symmetric: bearings with cross-coupling, damping, or loads that depend on the place.
+    skew: bool,
     free_mass: Sparse,
     centrifugal: Sparse,
     motions: Mat<f64>,
@@ -78,21 +85,22 @@ pub struct Equilibrium {
 }
 
 impl<'a> Balance<'a> {
-    /// Prepares the forces of a model; loads and gravity are included when `loaded`.
+    /// Prepares the forces of a model. In the steady state of a turning shaft
+    /// ([`Which::ConstantInTurningFrame`]) damping by bearings and by space acts.
     ///
     /// # Errors
     /// An element without nonlinear form.
-    pub fn new(assembly: &'a Assembly<'a>, loaded: bool, speed: f64) -> Result<Self> {
+    pub fn new(assembly: &'a Assembly<'a>, which: Which, speed: f64) -> Result<Self> {
         let (model, numbering) = (assembly.model, &assembly.numbering);
         let forces = Forces::new(assembly)?;
         let mass = ScalarMass::new(model);
-        let mut load = vec![0.0; numbering.len()];
-        if loaded {
-            load = dead_loads(model, numbering);
-            if model.has_gravity() {
-                load.iter_mut().zip(weight(model, numbering, &mass)).for_each(|(f, w)| *f += w);
-            }
-        }
+        let loads = Loads::new(model, numbering, &mass, which);
+        let turns = which == Which::ConstantInTurningFrame && speed != 0.0;
+        let external = turns && model.materials.iter().any(|m| m.mass_damping != 0.0);
+        let damped = turns && model.bearings.iter().any(|b| b.damping != [[0.0; 2]; 2]);
+        let drag = (damped || external).then(|| assembly.rotating_damping());
+        let crossed = |b: &Bearing| b.stiffness[0][1] != b.stiffness[1][0];
+        let skew = drag.is_some() || loads.depend_on_place() || model.bearings.iter().any(crossed);
         let (unresisted, motions) = assembly.rigid_motions();
         let modulus = |e: &Element| {
             model.materials[e.material].youngs_modulus * model.sections[e.section].area() * e.length
@@ -106,7 +114,10 @@ impl<'a> Balance<'a> {
             assembly,
             forces,
             mass,
-            load,
+            loads,
+            drag,
+            external: external.then(|| ScalarMass::external_damping(model)),
+            skew,
             speed,
             motions,
             unresisted,
@@ -132,19 +143,52 @@ impl<'a> Balance<'a> {
             self.mass.multiply(&turning, &mut pull);
             g.iter_mut().zip(&pull).for_each(|(g, p)| *g -= speed * speed * p);
         }
-        g.iter_mut().zip(&self.load).for_each(|(g, f)| *g -= load * f);
+        if let Some(external) = &self.external {
+            let mut felt = vec![0.0; q.len()];
+            external.multiply(&cross(q), &mut felt);
+            g.iter_mut().zip(&felt).for_each(|(g, f)| *g += speed * f);
+        }
+        self.loads.add(q, Turned::NOT, -load, &mut g);
         (g, energy)
     }
 
     /// `g(z)` and the strain energy (J).
     fn residual(&self, z: &[f64], load: f64, speed: f64, work: &mut Workspace) -> (Vec<f64>, f64) {
-        let (all, energy) = self.imbalance(&self.coordinates(z), load, speed, work);
+        let q = self.coordinates(z);
+        let (mut all, energy) = self.imbalance(&q, load, speed, work);
+        if self.drag.is_some() {
+            self.add_bearing_drag(&q, speed, &mut all);
+        }
         let mut g = vec![0.0; z.len()];
         self.assembly.project(&all, &mut g);
         let z = Mat::from_fn(z.len(), 1, |i, _| z[i]);
         let springs = multiply(&self.bearings, z.as_ref());
         g.iter_mut().enumerate().for_each(|(i, g)| *g += springs[(i, 0)]);
         (g, energy)
+    }
+
+    /// Adds `Omega C J u` of every bearing: a section at rest in the turning frame moves with `Omega J u`.
+    fn add_bearing_drag(&self, q: &[f64], speed: f64, force: &mut [f64]) {
+        let (model, numbering) = (self.assembly.model, &self.assembly.numbering);
+        for bearing in &model.bearings {
+            let rows = bearing_rows(model, numbering, bearing);
+            let [y, z] = [0, 1].map(|i| rows[i].iter().map(|&(at, w)| w * q[at]).sum::<f64>());
+            for (row, c) in rows.iter().zip(&bearing.damping) {
+                let f = speed * (c[1] * y - c[0] * z);
+                row.iter().for_each(|&(at, w)| force[at] += w * f);
+            }
+        }
+    }
+
+    /// What the tangent has beside that of elements, hubs, bearings and the centrifugal pull: not symmetric.
+    fn skew_part(&self, z: &[f64], load: f64, speed: f64) -> Sparse {
+        let mut parts = self.loads.tangents(&self.coordinates(z), Turned::NOT);
+        parts.iter_mut().for_each(|part| part.matrix *= Scale(-load));
+        let loads = self.assembly.sum(&[], parts);
+        match &self.drag {
+            Some(drag) => combine(&[(1.0, &loads), (speed, drag)]),
+            None => loads,
+        }
     }
 
     /// Forces that the supports exert on all coordinates in equilibrium under a share of the load, N.
@@ -213,11 +257,21 @@ impl<'a> Balance<'a> {
         let (mut largest, mut previous) = (0.0_f64, f64::INFINITY);
         for _ in 0..settings.max_iterations {
             *iterations += 1;
-            let k = combine(&[(1.0, &self.tangent(&z)), (speed * speed, &self.centrifugal)]);
-            let Ok(flexibility) = Flexibility::new(&k, &self.free_mass, self.motions.clone()) else {
+            let mut k = combine(&[(1.0, &self.tangent(&z)), (speed * speed, &self.centrifugal)]);
+            if self.skew {
+                k = combine(&[(1.0, &k), (1.0, &self.skew_part(&z, load, speed))]);
+            }
+            let symmetric = if self.skew { symmetric_part(&k) } else { k.clone() };
+            let Ok(flexibility) = Flexibility::new(&symmetric, &self.free_mass, self.motions.clone()) else {
                 return Ok(None);
             };
-            let answer = flexibility.solve(Mat::from_fn(g.len(), 1, |i, _| -g[i]));
+            let right = Mat::from_fn(g.len(), 1, |i, _| -g[i]);
+            let answer = if self.skew {
+                let Ok(answer) = flexibility.solve_unsymmetric(right, k) else { return Ok(None) };
+                answer
+            } else {
+                flexibility.solve(right)
+            };
             let change: Vec<f64> = answer.col(0).iter().copied().collect();
             let slope = dot(&g, &change);
             if !slope.is_finite() {
@@ -253,6 +307,11 @@ impl<'a> Balance<'a> {
         }
         Ok(None)
     }
+}
+
+/// `J q`, `e_x x` every vector.
+fn cross(q: &[f64]) -> Vec<f64> {
+    q.chunks_exact(3).flat_map(|v| [0.0, -v[2], v[1]]).collect()
 }
 
 /// `a . b`.

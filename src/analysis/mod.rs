@@ -17,6 +17,7 @@ pub mod matrices;
 pub mod modes;
 mod motions;
 pub mod operators;
+pub mod orbit;
 pub mod plausibility;
 mod points;
 pub mod probes;

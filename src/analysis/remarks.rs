@@ -9,7 +9,7 @@ use crate::results::{Diagnostic, ModelSummary, UnstableRange};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refusal {
     /// JSON path of what does not fit.
-    pub path: &'static str,
+    pub path: String,
     /// Why.
     pub reason: &'static str,
     /// What would.
@@ -18,7 +18,7 @@ pub struct Refusal {
 
 /// Why a rotor cannot be analysed in the frame and form of the settings, if so.
 pub fn refusal(model: &Model, settings: &CampbellSettings) -> Option<Refusal> {
-    let refused = |path, reason, remedy| Some(Refusal { path, reason, remedy });
+    let refused = |path: &str, reason, remedy| Some(Refusal { path: path.to_owned(), reason, remedy });
     let spins = settings.speeds.iter().any(|s| *s > 0.0) && settings.gyroscopic != Gyroscopic::None;
     let round = model.sections.iter().all(|s| s.is_axisymmetric());
     let even = is_isotropic(model);

@@ -8,6 +8,8 @@ use crate::error::{Error, Result};
 use crate::linalg::dense::{cholesky, over_lower, self_adjoint};
 use crate::linalg::factor::Ldlt;
 use crate::linalg::lanczos::{self, Pencil};
+use crate::linalg::gmres::gmres;
+use crate::linalg::lu::SparseLu;
 use crate::linalg::sparse::{Sparse, absolute_product_norm, combine, multiply};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef};
@@ -16,6 +18,10 @@ use faer::{Mat, MatRef};
 const SOFT: f64 = 1e-6;
 /// Stiffness of a spring times the give of the shaft at its place above which the spring is not soft.
 const HARD: f64 = 100.0;
+
+/// Relative residual of equations without symmetry, and the most iterations before they are factorised.
+const SOLVED: f64 = 1e-11;
+const MOST_ITERATIONS: usize = 30;
 
 /// Square of a frequency over that of the highest mode below which a mode stands apart.
 const LOW: f64 = 1e-9;
@@ -134,6 +140,39 @@ impl Flexibility {
         let share = &soft.inverse * (resultant - soft.felt.transpose() * (&soft.law_in_series * &felt));
         let forces = &soft.law_in_series * (felt + &soft.felt * &share);
         f - &soft.answers * forces + &soft.motions * share
+    }
+
+    /// [`Self::solve`] for one column and a matrix without symmetry, of which this is the symmetric part: by iteration, or
+    /// where that does not converge by a factorisation of its own.
+    ///
+    /// # Errors
+    /// A singular matrix.
+    pub fn solve_unsymmetric(&self, mut f: Mat<f64>, mut matrix: Sparse) -> Result<Mat<f64>> {
+        let column = |x: &[f64]| Mat::from_fn(x.len(), 1, |i, _| x[i]);
+        let list = |x: Mat<f64>| x.col(0).iter().copied().collect::<Vec<f64>>();
+        let balanced = |mut f: Mat<f64>| {
+            if self.rigid.ncols() > 0 {
+                f -= &self.mass_rigid * (self.rigid.transpose() * &f);
+            }
+            f
+        };
+        f = balanced(f);
+        let found = gmres(
+            |x| list(balanced(multiply(&matrix, column(x).as_ref()))),
+            |b| list(self.solve(column(b))),
+            &list(f.clone()),
+            SOLVED,
+            MOST_ITERATIONS,
+        );
+        if let Some(x) = found {
+            return Ok(column(&x));
+        }
+        if self.rigid.ncols() > 0 {
+            pin(&mut matrix, &self.rigid);
+        }
+        let mut x = SparseLu::new(&matrix)?.solve_columns(f)?;
+        self.without_rigid(&mut x);
+        Ok(x)
     }
 
     /// `K X`, K being the stiffness that was factorised: what soft springs do to the motions that only they hold is not

@@ -4,8 +4,10 @@
 //! the balanced rotor at the highest speed is checked: beyond burst there is none.
 
 use super::equilibrium::{Balance, Equilibrium, NewtonSettings};
+use super::campbell::campbell;
 use super::estimates::{refuse_dependent, refuse_tiny_bore, slow_remark};
 use super::growth::{basis_error, closed_form};
+use super::orbit::{self, Orbit};
 use super::probes::{Centre, displacement, element_at, growth_in, largest_strain, probe_states, profile};
 use super::remarks::Refusal;
 use super::rub::RubRecorder;
@@ -19,9 +21,15 @@ use crate::error::{Error, Result};
 use crate::integrate::implicit::Scheme;
 use crate::integrate::{self, Flows, Method, Moment, Progress, Settings, Step};
 use crate::linalg::factor::Ldlt;
-use crate::linalg::sparse::combine;
-use crate::model::{Frame, Integrator, Law, Model, SpinupSettings};
-use crate::results::{Diagnostic, EnergyBalance, Extremes, History, IntegratorSummary, SpinState, Spinup};
+use crate::loads::Which;
+use crate::linalg::sparse::{combine, symmetric_part};
+use crate::model::{
+    CampbellSettings, Form, Frame, Gyroscopic, Integrator, Law, Model, Reading, SpinupSettings, Traction, WhirlFrame,
+};
+use crate::results::{
+    Diagnostic, EnergyBalance, Extremes, History, IntegratorSummary, OrbitSummary, SpinState, Spinup,
+};
+use crate::section::Surface;
 use crate::support::drives;
 use crate::vectors::SectionBasis;
 use std::f64::consts::PI;
@@ -45,6 +53,12 @@ const FIRST_STEP: f64 = 1e-3;
 /// Error of the growth of a hollow section that calls for a warning.
 const POOR_GROWTH: f64 = 1e-3;
 
+/// Times over one turn of a periodic motion.
+const TURN: usize = 360;
+/// Branches and basis of the linear equations that tell whether a steady state is stable.
+const STABILITY_MODES: usize = 12;
+const STABILITY_BASIS: usize = 60;
+
 /// Called with the share of the run that is done and a line on where it is; false stops the run.
 pub type Watch<'a> = &'a (dyn Fn(f64, &str) -> bool + Sync);
 
@@ -52,7 +66,29 @@ pub type Watch<'a> = &'a (dyn Fn(f64, &str) -> bool + Sync);
 ///
 /// In the inertial frame a driven section turns in its own coordinates; where components across the axis are free
 /// there, as on a plane section, the mass matrix turns with it, and an explicit method would factorise it at each step.
+///
+/// Loads that hold on to points of the undeformed shaft mean nothing once it turns.
 pub fn refusal(model: &Model, settings: &SpinupSettings) -> Option<Refusal> {
+    let dead = model.loads.iter().find(|load| load.reading == Reading::Dead).map(|load| &load.path);
+    let dead = dead
+        .or_else(|| model.tractions.iter().find(|load| load.reading == Reading::Dead).map(|load| &load.path));
+    if let Some(path) = dead {
+        return Some(Refusal {
+            path: format!("{path}.dead"),
+            reason: "a dead moment or pressure holds on to the undeformed shaft and means nothing on a shaft that turns",
+            remedy: "no \"dead\": a moment about axes fixed in space, a pressure on the surface as it is",
+        });
+    }
+    let half = |t: &&Traction| {
+        t.reading == Reading::FixedInSpace && matches!(t.surface, Surface::Top | Surface::Bottom)
+    };
+    if let Some(traction) = model.tractions.iter().find(half) {
+        return Some(Refusal {
+            path: format!("{}.traction", traction.path),
+            reason: "half of the surface turns with the shaft: a traction fixed in space does not stay on it",
+            remedy: "\"follower\": true for a traction that turns with the shaft, or a force in space, or the whole rim",
+        });
+    }
     if settings.steady || settings.integrator != Integrator::Adams || settings.frame != Frame::Inertial {
         return None;
     }
@@ -64,7 +100,7 @@ pub fn refusal(model: &Model, settings: &SpinupSettings) -> Option<Refusal> {
         assembly.free_among(range).into_iter().any(|i| !(i - start).is_multiple_of(3))
     };
     (0..model.nodes.len()).any(|node| drives(model, node) && across(node)).then_some(Refusal {
-        path: "spinup.integrator",
+        path: "spinup.integrator".to_owned(),
         reason: "in the inertial frame a driven plane section turns the mass matrix, which the explicit method needs constant",
         remedy: "\"section\": \"rigid\" on the driven supports, \"frame\": \"rotating\", or an implicit integrator",
     })
@@ -88,9 +124,9 @@ pub fn spinup(model: &Model, settings: &SpinupSettings, watch: Watch<'_>) -> Res
     let assembly = Assembly::new(model);
     diagnostics.extend(model_remarks(model, &assembly));
     if settings.steady {
-        return steady(&assembly, drive.last_speed(), diagnostics);
+        return steady(&assembly, settings, drive.last_speed(), diagnostics);
     }
-    let rest = Balance::new(&assembly, true, 0.0)?;
+    let rest = Balance::new(&assembly, Which::All, 0.0)?;
     pinned_remark(&rest, &mut diagnostics);
     let start = rest.solve(NEWTON, None)?;
     if start.load_factor < 1.0 {
@@ -164,43 +200,165 @@ fn run(
     Ok(RunResult { progress, complete })
 }
 
-/// The equilibrium at a speed, loads and gravity left out: they turn as seen from the shaft.
-fn steady(assembly: &Assembly<'_>, speed: f64, mut diagnostics: Vec<Diagnostic>) -> Result<Outcome<Spinup>> {
+/// The steady state at a speed: an equilibrium in the turning frame where all that acts is constant there, else a periodic
+/// motion.
+fn steady(
+    assembly: &Assembly<'_>,
+    settings: &SpinupSettings,
+    speed: f64,
+    mut diagnostics: Vec<Diagnostic>,
+) -> Result<Outcome<Spinup>> {
     let model = assembly.model;
-    let balance = Balance::new(assembly, false, speed)?;
-    let state = balance.solve(NEWTON, None)?;
-    if state.load_factor < 1.0 {
-        return Err(no_equilibrium(speed * state.load_factor.sqrt(), speed, &state));
+    if !settings.stators.is_empty() {
+        return Err(Error::Case {
+            path: "spinup.stators".to_owned(),
+            problem: "a steady state has no rings around the shaft".to_owned(),
+            allowed: "no stators; or the transient: leave out `spinup.steady`".to_owned(),
+        });
     }
-    pinned_remark(&balance, &mut diagnostics);
-    let q = balance.coordinates(&state.z);
-    let last = spin_state(assembly, &q, None, speed);
-    clear_remark(&last, &mut diagnostics);
-    strain_remark(last.largest_strain, &mut diagnostics);
     let mut summary = nonlinear_summary(model, assembly.size());
-    summary.modelled.push("centrifugal load, co-rotating equilibrium".to_owned());
-    if model.has_gravity() || model.has_loads() {
-        summary
-            .left_out
-            .push("gravity and loads: fixed in space, they turn as seen from the shaft".to_owned());
-        diagnostics.push(Diagnostic::info(
-            "loads-ignored",
-            "gravity and dead loads do not act in the steady state; run the transient",
+    let results = if speed == 0.0 || orbit::is_constant_in_turning_frame(model) {
+        let which = if speed == 0.0 { Which::All } else { Which::ConstantInTurningFrame };
+        let balance = Balance::new(assembly, which, speed)?;
+        let state = balance.solve(NEWTON, None)?;
+        if state.load_factor < 1.0 {
+            return Err(no_steady_state(speed, &state));
+        }
+        pinned_remark(&balance, &mut diagnostics);
+        summary.modelled.push("centrifugal load, co-rotating equilibrium".to_owned());
+        let q = balance.coordinates(&state.z);
+        Spinup {
+            complete: true,
+            last: spin_state(assembly, &q, None, speed),
+            growth: growth_along(assembly, &q),
+            extremes: None,
+            history: None,
+            energy: None,
+            rub: None,
+            integrator: None,
+            newton: Some(newton_summary(&state)),
+            orbit: None,
+        }
+    } else {
+        let orbit = orbit::periodic(assembly, speed)?;
+        summary.modelled.push(format!(
+            "what is fixed in space, in a periodic motion of {} harmonics (harmonic balance, truncation {:.1e})",
+            orbit.harmonics, orbit.truncation
         ));
-    }
-    summary.left_out.push("time: the equilibrium at the last speed only".to_owned());
-    let results = Spinup {
-        complete: true,
-        last,
-        growth: growth_along(assembly, &q),
-        extremes: None,
-        history: None,
-        energy: None,
-        rub: None,
-        integrator: None,
-        newton: Some(newton_summary(&state)),
+        one_turn(assembly, settings, speed, &orbit)?
     };
+    clear_remark(&results.last, &mut diagnostics);
+    strain_remark(results.last.largest_strain, &mut diagnostics);
+    if assembly.has_material_damping() || model.bearings.iter().any(|b| b.damping != [[0.0; 2]; 2]) {
+        summary.modelled.push("damping of bearings, of space and of the material".to_owned());
+    }
+    summary.left_out.push(format!("time: the {} at the last speed only", if results.orbit.is_some() { "periodic motion" } else { "equilibrium" }));
+    stability(model, speed, &mut summary, &mut diagnostics);
     Ok(Outcome { results, model: summary, diagnostics })
+}
+
+/// A periodic motion over one turn of the shaft.
+fn one_turn(
+    assembly: &Assembly<'_>,
+    settings: &SpinupSettings,
+    speed: f64,
+    orbit: &Orbit,
+) -> Result<Spinup> {
+    let period = 2.0 * PI / speed;
+    let mut dynamics = Dynamics::new(assembly, Drive::constant(speed), Frame::Rotating)?;
+    let moment = |t: f64| {
+        let [z, mut v, mut a] = orbit.at(speed * t);
+        v.iter_mut().for_each(|v| *v *= speed);
+        a.iter_mut().for_each(|a| *a *= speed * speed);
+        Moment { t, z, v, a }
+    };
+    let turn = SpinupSettings { until: period, output: TURN + 1, ..settings.clone() };
+    let begin = moment(0.0);
+    let mut recorder = Recorder::new(assembly, &turn, &mut dynamics, &begin)?;
+    let (mut flows, mut before) = (Flows::default(), Flows::of(&dynamics, 0.0));
+    let mut end = begin;
+    for k in 1..=TURN {
+        end = moment(period * k as f64 / TURN as f64);
+        dynamics.evaluate(end.t, &end.z, &end.v, &end.a);
+        let power = Flows::of(&dynamics, end.t);
+        let half = period / TURN as f64 / 2.0;
+        flows = flows.plus(half, before).plus(half, power);
+        before = power;
+        recorder.sample(&mut dynamics, end.t, &end.z, &end.v, &end.a, flows);
+    }
+    recorder.last = (end, flows);
+    let (results, _) = recorder.results(&mut dynamics, true);
+    let orbit = OrbitSummary {
+        harmonics: orbit.harmonics,
+        truncation: orbit.truncation,
+        iterations: orbit.iterations,
+    };
+    Ok(Spinup { integrator: None, orbit: Some(orbit), ..results })
+}
+
+/// Tells a motion that grows about the steady state, where something may feed one: by its root.
+fn stability(
+    model: &Model,
+    speed: f64,
+    summary: &mut crate::results::ModelSummary,
+    diagnostics: &mut Vec<Diagnostic>,
+) {
+    let round = model.sections.iter().all(crate::section::Section::is_axisymmetric);
+    let feeds = model.materials.iter().any(|m| m.stiffness_damping != 0.0)
+        || model.bearings.iter().any(|b| b.stiffness[0][1] != b.stiffness[1][0]);
+    if speed == 0.0 || (round && !feeds) {
+        return;
+    }
+    let settings = CampbellSettings {
+        speeds: vec![speed],
+        modes: STABILITY_MODES,
+        frame: if round { WhirlFrame::Stationary } else { WhirlFrame::Rotating },
+        form: Form::Consistent,
+        reduction: Some(STABILITY_BASIS),
+        gyroscopic: Gyroscopic::All,
+        orders: Vec::new(),
+    };
+    match campbell(model, &settings, &|_| ()) {
+        Ok(outcome) => {
+            let worst = outcome
+                .results
+                .unstable_ranges
+                .into_iter()
+                .max_by(|a, b| a.largest_growth_rate_1_s.total_cmp(&b.largest_growth_rate_1_s));
+            if let Some(range) = worst {
+                diagnostics.push(Diagnostic::error(
+                    "unstable-motion",
+                    format!(
+                        "the steady state is unstable: a motion about it ({}) grows with {:.6e} 1/s (linear equations); it is \
+                         not reached in practice. More damping by bearings, less by the material, or a lower speed",
+                        range.branch, range.largest_growth_rate_1_s
+                    ),
+                ));
+            } else {
+                summary.modelled.push("stability of small motions: no root with a positive real part".to_owned());
+            }
+        }
+        Err(error) => {
+            let reason = error.to_string();
+            let first = reason.lines().next().unwrap_or_default();
+            summary.left_out.push(format!("stability of small motions: {first}"));
+        }
+    }
+}
+
+fn no_steady_state(speed: f64, state: &Equilibrium) -> Error {
+    Error::analysis(
+        format!(
+            "no steady state was found at {speed:.6} rad/s ({:.1} rpm), though the balanced shaft holds there",
+            speed * 30.0 / PI
+        ),
+        format!(
+            "{} load steps, {} cuts, {} Newton iterations; {:.4} of the load was carried",
+            state.steps, state.cuts, state.iterations, state.load_factor
+        ),
+        "more damping, less unbalance, a speed off the critical ones (`rotor campbell`), or the transient: leave out \
+         `spinup.steady`",
+    )
 }
 
 /// Equilibrium of the balanced, unloaded rotor: its offsets bend the shaft, which is not burst.
@@ -208,15 +366,16 @@ fn balanced_equilibrium(model: &Model, speed: f64) -> Result<(Equilibrium, bool)
     let mut balanced = model.clone();
     balanced.disks.iter_mut().for_each(|d| d.offset = [0.0; 2]);
     let assembly = Assembly::new(&balanced);
-    let balance = Balance::new(&assembly, false, speed)?;
+    let balance = Balance::new(&assembly, Which::None, speed)?;
     let state = balance.solve(NEWTON, None)?;
     // burst is a loss of stability within a circumferential harmonic, not at every critical speed
     let axisymmetric = model.sections.iter().all(crate::section::Section::is_axisymmetric);
     let stable = !axisymmetric || state.load_factor < 1.0 || {
         let (k, n) = (balance.tangent(&state.z), assembly.spin_softening());
-        let (names, motions) = assembly.rigid_motions();
-        let mut shifted = combine(&[(1.0, &k), (-speed * speed, &n)]);
-        // motions that nothing resists count as stable
+        let names = assembly.rigid_motions().0;
+        // motions that nothing resists count as stable, and those that only bearings do can't burst
+        let motions = assembly.rigid_motions_on(&[]).1;
+        let mut shifted = combine(&[(1.0, &symmetric_part(&k)), (-speed * speed, &n)]);
         super::spectrum::pin(&mut shifted, &motions);
         let negative = Ldlt::new(&shifted)?.negative_pivots();
         negative.is_some_and(|count| count <= names.len())
@@ -332,7 +491,7 @@ fn summary(model: &Model, assembly: &Assembly<'_>, dynamics: &Dynamics<'_>) -> c
     };
     say(true, "inertia with Coriolis and centrifugal effects, exact", "");
     say(model.has_gravity(), "gravity", "none given");
-    say(model.has_loads(), "dead loads", "none given");
+    say(model.has_loads(), "loads", "none given");
     say(model.disks.iter().any(|d| d.offset != [0.0; 2]), "unbalance of disk offsets", "no offsets");
     say(dynamics.is_viscous(), "material damping (Kelvin-Voigt)", "none given");
     say(model.materials.iter().any(|m| m.mass_damping != 0.0), "external damping", "none given");
@@ -479,6 +638,9 @@ impl<'a> Recorder<'a> {
         dynamics.evaluate(t, z, v, a);
         let torque = dynamics.powers.torque;
         let reactions = dynamics.reactions(t);
+        for (path, power) in dynamics.load_powers() {
+            self.history.load_power_w.entry(path.to_owned()).or_default().push(power);
+        }
         let state = dynamics.state(t, z, v);
         if let Some(rub) = &mut self.rub {
             rub.sample(t, &dynamics.present_contacts());
@@ -514,7 +676,10 @@ impl<'a> Recorder<'a> {
         e.potential.push(state.potential);
         e.drive_work.push(flows.drive);
         e.absorbed.push(absorbed.iter().sum());
-        e.lost.push(flows.drive - change - absorbed.iter().sum::<f64>());
+        e.lost.push(flows.drive + flows.loads - change - absorbed.iter().sum::<f64>());
+        if dynamics.has_loads_without_potential() {
+            e.load_work.push(flows.loads);
+        }
     }
 
     fn finish(
@@ -525,76 +690,87 @@ impl<'a> Recorder<'a> {
         mut diagnostics: Vec<Diagnostic>,
     ) -> Outcome<Spinup> {
         let mut summary = summary(model, self.assembly, dynamics);
-        let (Moment { t, z, v, .. }, flows) = self.last;
-        let mut history = self.history;
-        let rub = self.rub.map(|rub| {
+        let t = self.last.0.t;
+        let frame = self.frame;
+        let integrator = model.spinup.as_ref().map(|s| s.integrator);
+        let (mut results, rub) = self.results(dynamics, run.complete);
+        if let Some(rub) = rub {
             let (rub, stators) = rub.finish(dynamics, t, &mut summary, &mut diagnostics);
-            history.stators = stators;
-            rub
-        });
-        let state = dynamics.state(t, &z, &v);
-        let q = dynamics.coordinates(t, &z);
-        let last = spin_state(self.assembly, &q, Some(t), dynamics.drive.at(t).speed);
-        clear_remark(&last, &mut diagnostics);
-        strain_remark(last.largest_strain, &mut diagnostics);
-        let change = energy(&state) - energy(&self.start);
-        let [material, external, bearings, friction] =
-            absorbed(&flows, &state, &self.start, dynamics.is_viscous());
-        let lost = flows.drive - change - material - external - bearings - friction;
-        let e = &history.energy_j;
-        let energies = e.kinetic.iter().chain(&e.strain).chain([&state.kinetic, &state.strain, &flows.drive]);
-        let scale = energies.fold(f64::MIN_POSITIVE, |m: f64, e| m.max(e.abs()));
+            if let Some(history) = &mut results.history {
+                history.stators = stators;
+            }
+            results.rub = Some(rub);
+        }
+        clear_remark(&results.last, &mut diagnostics);
+        strain_remark(results.last.largest_strain, &mut diagnostics);
         if !run.complete {
             diagnostics.push(Diagnostic::error(
                 "interrupted",
                 format!("the run was interrupted at t = {t:.6} s; the report ends there"),
             ));
         }
-        if (lost / scale).abs() > 1e-3 {
+        if let Some(error) = results.energy.as_ref().map(|e| e.relative_error).filter(|e| e.abs() > 1e-3) {
             diagnostics.push(Diagnostic::warning(
                 "energy-error",
                 format!(
-                    "the integrator lost {:.2e} of the energy: tighten rtol and atol, or take shorter steps",
-                    lost / scale
+                    "the integrator lost {error:.2e} of the energy: tighten rtol and atol, or take shorter steps",
                 ),
             ));
         }
         let counts = dynamics.counts;
-        let settings = model.spinup.as_ref();
+        results.integrator = Some(IntegratorSummary {
+            name: match integrator {
+                Some(Integrator::GeneralizedAlpha) => "generalized-alpha",
+                Some(Integrator::Adams) => "adams",
+                _ => "esdirk4(3)",
+            },
+            frame: if frame == Frame::Rotating { "rotating" } else { "inertial" },
+            quadrature: quadrature_name(model),
+            steps: run.progress.steps,
+            rejected: run.progress.rejected,
+            force_evaluations: counts.force_evaluations,
+            factorizations: counts.factorizations,
+            tangents: counts.tangents,
+        });
+        Outcome { results, model: summary, diagnostics }
+    }
+
+    /// What was recorded, without the integrator and the rub, whose record is handed on.
+    fn results(self, dynamics: &mut Dynamics<'_>, complete: bool) -> (Spinup, Option<RubRecorder>) {
+        let (Moment { t, z, v, .. }, flows) = self.last;
+        let state = dynamics.state(t, &z, &v);
+        let q = dynamics.coordinates(t, &z);
+        let change = energy(&state) - energy(&self.start);
+        let [material, external, bearings, friction] =
+            absorbed(&flows, &state, &self.start, dynamics.is_viscous());
+        let lost = flows.drive + flows.loads - change - material - external - bearings - friction;
+        let e = &self.history.energy_j;
+        let works = [&state.kinetic, &state.strain, &flows.drive, &flows.loads];
+        let scale =
+            e.kinetic.iter().chain(&e.strain).chain(works).fold(f64::MIN_POSITIVE, |m: f64, e| m.max(e.abs()));
         let results = Spinup {
-            complete: run.complete,
-            last,
+            complete,
+            last: spin_state(self.assembly, &q, Some(t), dynamics.drive.at(t).speed),
             growth: growth_along(self.assembly, &q),
             extremes: Some(self.extremes),
-            history: Some(history),
             energy: Some(EnergyBalance {
                 drive_work_j: flows.drive,
+                load_work_j: dynamics.has_loads_without_potential().then_some(flows.loads),
                 change_j: change,
                 material_damping_j: material,
                 external_damping_j: external,
                 bearings_j: bearings,
-                friction_j: rub.is_some().then_some(friction),
+                friction_j: self.rub.is_some().then_some(friction),
                 numerical_dissipation_j: lost,
                 relative_error: lost / scale,
             }),
-            rub,
-            integrator: Some(IntegratorSummary {
-                name: match settings.map(|s| s.integrator) {
-                    Some(Integrator::GeneralizedAlpha) => "generalized-alpha",
-                    Some(Integrator::Adams) => "adams",
-                    _ => "esdirk4(3)",
-                },
-                frame: if self.frame == Frame::Rotating { "rotating" } else { "inertial" },
-                quadrature: quadrature_name(model),
-                steps: run.progress.steps,
-                rejected: run.progress.rejected,
-                force_evaluations: counts.force_evaluations,
-                factorizations: counts.factorizations,
-                tangents: counts.tangents,
-            }),
+            history: Some(self.history),
+            rub: None,
+            integrator: None,
             newton: None,
+            orbit: None,
         };
-        Outcome { results, model: summary, diagnostics }
+        (results, self.rub)
     }
 }
 

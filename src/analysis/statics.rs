@@ -1,4 +1,4 @@
-//! `rotor static`: equilibrium under dead loads and gravity, with finite displacements.
+//! `rotor static`: equilibrium under loads and gravity, with finite displacements.
 
 use super::equilibrium::{Balance, Equilibrium, NewtonSettings, dot};
 use super::estimates::{refuse_dependent, refuse_tiny_bore};
@@ -8,6 +8,7 @@ use super::{Outcome, model_remarks, nonlinear_summary};
 use crate::assembly::Assembly;
 use crate::error::{Error, Result};
 use crate::forces::Workspace;
+use crate::loads::{Turned, Which};
 use crate::model::Model;
 use crate::results::{Diagnostic, NewtonSummary, Reaction, Static};
 
@@ -27,7 +28,7 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
     refuse_dependent(model)?;
     refuse_tiny_bore(model)?;
     let assembly = Assembly::new(model);
-    let balance = Balance::new(&assembly, true, 0.0)?;
+    let balance = Balance::new(&assembly, Which::All, 0.0)?;
     refuse_unbalanced(&balance)?;
     let settings = NewtonSettings {
         load_steps: model.statics.load_steps,
@@ -75,7 +76,7 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
     }
     if model.has_loads() {
         summary.modelled.push(format!(
-            "{} point loads and {} surface tractions, dead",
+            "{} point loads and {} surface loads",
             model.loads.len(),
             model.tractions.len()
         ));
@@ -161,7 +162,9 @@ fn not_reached(state: &Equilibrium, iterations: usize) -> Diagnostic {
 /// A static load along a free motion has no equilibrium.
 fn refuse_unbalanced(balance: &Balance<'_>) -> Result<()> {
     let mut f = vec![0.0; balance.assembly.size()];
-    balance.assembly.project(&balance.load, &mut f);
+    let mut load = vec![0.0; balance.reference.len()];
+    balance.loads.add(&balance.reference, Turned::NOT, 1.0, &mut load);
+    balance.assembly.project(&load, &mut f);
     let (names, motions) = balance.assembly.rigid_motions();
     for (j, name) in names.iter().enumerate() {
         let motion: Vec<f64> = motions.col(j).iter().copied().collect();

@@ -9,6 +9,7 @@ use super::equilibrium::{Balance, NewtonSettings};
 use super::spectrum::{Flexibility, Spectrum};
 use crate::assembly::Assembly;
 use crate::error::{Error, Result};
+use crate::loads::Which;
 use crate::linalg::sparse::{Sparse, combine, from_columns, multiply};
 use crate::model::{Hub, Model, Quadrature};
 use faer::Mat;
@@ -126,7 +127,7 @@ struct Spinning<'a> {
 
 impl<'a> Spinning<'a> {
     fn new(assembly: &'a Assembly<'a>) -> Result<Self> {
-        let balance = Balance::new(assembly, false, 0.0)?;
+        let balance = Balance::new(assembly, Which::None, 0.0)?;
         Ok(Self {
             at_rest: balance.tangent(&vec![0.0; assembly.size()]),
             mass: assembly.mass(),
@@ -138,7 +139,7 @@ impl<'a> Spinning<'a> {
 
     /// `K_T - K_0` and the displacement at a speed.
     fn at(&self, speed: f64, start: Option<&[f64]>) -> Result<(Sparse, Vec<f64>)> {
-        let balance = Balance::new(self.assembly, false, speed)?;
+        let balance = Balance::new(self.assembly, Which::None, speed)?;
         let linear = self.linear(&balance, speed)?;
         let largest = linear.iter().fold(0.0, |m: f64, z| m.max(z.abs()));
         let found = if largest <= LINEAR * self.assembly.model.reference_length {

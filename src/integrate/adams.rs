@@ -131,7 +131,7 @@ impl Run {
         phi[0][..n].copy_from_slice(&start.v);
         phi[0][n..].copy_from_slice(&start.a);
         let mut phi_powers = [Flows::default(); HIGHEST + 2];
-        phi_powers[0] = Flows::powers(dynamics, start.t);
+        phi_powers[0] = Flows::of(dynamics, start.t);
         Self {
             next: start.clone(),
             now: start,
@@ -300,7 +300,7 @@ impl Run {
         let (z, v) = (&self.next.z, &self.next.v);
         dynamics.acceleration(t, z, v, &mut self.next.a);
         dynamics.add_acceleration(t, &self.next.a);
-        let powers = Flows::powers(dynamics, t);
+        let powers = Flows::of(dynamics, t);
         self.torque[1] = dynamics.powers.torque;
         // the work follows the states and is corrected with their final values
         let mut difference = powers;

@@ -185,7 +185,7 @@ impl Run {
         let n = start.z.len();
         let zero = || vec![0.0; n];
         dynamics.evaluate(start.t, &start.z, &start.v, &start.a);
-        let powers = Flows::powers(dynamics, start.t);
+        let powers = Flows::of(dynamics, start.t);
         Self {
             flows: [Flows::default(); 2],
             torque: [dynamics.powers.torque; 2],
@@ -258,7 +258,7 @@ impl Run {
                 a[k] = self.x[k] / (g * g);
                 v[k] = v0[k] + g * a[k];
             }
-            flows = flows.plus(h * B[i], Flows::powers(dynamics, t));
+            flows = flows.plus(h * B[i], Flows::of(dynamics, t));
             if i == STAGES - 1 {
                 for k in 0..n {
                     self.next.z[k] = z0[k] + self.x[k];
@@ -277,7 +277,7 @@ impl Run {
             return Ok(None);
         }
         if error <= 1.0 || self.fixed {
-            self.last_powers = (t0 + h, Flows::powers(dynamics, t0 + h));
+            self.last_powers = (t0 + h, Flows::of(dynamics, t0 + h));
             (self.flows[1], self.torque[1]) = (flows, dynamics.powers.torque);
             // the stages in the second half serve the next extrapolation
             self.history.clear();
@@ -343,7 +343,7 @@ impl Run {
             return Ok(Some(error));
         }
         // powers are known between the ends: a trapezoid from one evaluation to the next, then on to the end
-        let power = Flows::powers(dynamics, t);
+        let power = Flows::of(dynamics, t);
         let (before, old) = self.last_powers;
         let (span, rest) = (t - before, self.now.t + h - t);
         let slope = power.plus(-1.0, old);

@@ -3,7 +3,7 @@
 pub mod adams;
 pub mod implicit;
 
-use crate::dynamics::Dynamics;
+use crate::dynamics::{Dynamics, Powers};
 use crate::error::{Error, Result};
 use std::ops::ControlFlow;
 
@@ -64,6 +64,8 @@ pub struct Flows {
     pub bearings: f64,
     /// Taken by friction at stators.
     pub friction: f64,
+    /// Work of the loads that have no potential.
+    pub loads: f64,
 }
 
 /// An accepted step.
@@ -147,26 +149,29 @@ impl Step<'_> {
             external: between(a.external, b.external),
             bearings: between(a.bearings, b.bearings),
             friction: between(a.friction, b.friction),
+            loads: between(a.loads, b.loads),
         }
     }
 }
 
 impl Flows {
     /// Powers at the last evaluation.
-    fn powers(dynamics: &Dynamics<'_>, t: f64) -> Self {
+    pub fn of(dynamics: &Dynamics<'_>, t: f64) -> Self {
         let p = &dynamics.powers;
         let drive = p.torque * dynamics.drive.at(t).speed;
-        Self { drive, internal: p.internal, external: p.external, bearings: p.bearings, friction: p.friction }
+        let Powers { internal, external, bearings, friction, loads, .. } = *p;
+        Self { drive, internal, external, bearings, friction, loads }
     }
 
     /// `self + factor * other`.
-    fn plus(self, factor: f64, other: Self) -> Self {
+    pub fn plus(self, factor: f64, other: Self) -> Self {
         Self {
             drive: self.drive + factor * other.drive,
             internal: self.internal + factor * other.internal,
             external: self.external + factor * other.external,
             bearings: self.bearings + factor * other.bearings,
             friction: self.friction + factor * other.friction,
+            loads: self.loads + factor * other.loads,
         }
     }
 }

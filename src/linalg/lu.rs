@@ -1,6 +1,7 @@
 //! Sparse systems without symmetry: matrices summed from entries, and their LU factorisation.
 
 use crate::error::{Error, Result};
+use super::sparse::Sparse;
 use faer::Mat;
 use faer::prelude::Solve;
 use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
@@ -85,6 +86,45 @@ impl Solver {
         }
         b.iter_mut().zip(x.col(0).iter()).for_each(|(b, x)| *b = *x);
         Ok(())
+    }
+}
+
+/// The LU factorisation of one sparse matrix.
+pub struct SparseLu {
+    factor: Lu<usize, f64>,
+    size: usize,
+}
+
+impl SparseLu {
+    /// Factorises a matrix.
+    ///
+    /// # Errors
+    /// A singular matrix, or lack of memory.
+    pub fn new(a: &Sparse) -> Result<Self> {
+        let size = a.ncols();
+        let factor = a.sp_lu().map_err(|e| failed(format!("factorisation of {size} unknowns: {e:?}")))?;
+        Ok(Self { factor, size })
+    }
+
+    /// `A^-1 b`.
+    ///
+    /// # Errors
+    /// A singular matrix.
+    pub fn solve(&self, b: &[f64]) -> Result<Vec<f64>> {
+        let x = self.solve_columns(Mat::from_fn(b.len(), 1, |i, _| b[i]))?;
+        Ok(x.col(0).iter().copied().collect())
+    }
+
+    /// `A^-1 B`.
+    ///
+    /// # Errors
+    /// A singular matrix.
+    pub fn solve_columns(&self, mut b: Mat<f64>) -> Result<Mat<f64>> {
+        self.factor.solve_in_place(&mut b);
+        if b.col_iter().any(|column| column.iter().any(|v| !v.is_finite())) {
+            return Err(failed(format!("{} unknowns: the matrix is singular", self.size)));
+        }
+        Ok(b)
     }
 }
 

@@ -6,6 +6,7 @@
 pub mod chain;
 pub mod dense;
 pub mod factor;
+pub mod gmres;
 pub mod lanczos;
 pub mod lcp;
 pub mod lu;

@@ -90,6 +90,12 @@ pub fn combine<T: ComplexField<Real = f64> + std::ops::AddAssign>(
     from_columns(n, starts, rows, values)
 }
 
+/// `(A + A^T) / 2`.
+pub fn symmetric_part(a: &Sparse) -> Sparse {
+    let transposed = a.transpose().to_col_major();
+    transposed.map_or_else(|_| a.clone(), |t| combine(&[(0.5, a), (0.5, &t)]))
+}
+
 /// A square matrix from its compressed columns (rows ascending within each).
 pub fn from_columns<T>(
     n: usize,

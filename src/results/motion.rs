@@ -175,6 +175,20 @@ pub struct Spinup {
     pub integrator: Option<IntegratorSummary>,
     /// How Newton's method went, for the equilibrium alone.
     pub newton: Option<NewtonSummary>,
+    /// How the periodic motion was found; only for a steady state that is one. The history is then one turn of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub orbit: Option<OrbitSummary>,
+}
+
+/// A periodic motion, found by harmonic balance.
+#[derive(Debug, Clone, Serialize)]
+pub struct OrbitSummary {
+    /// Harmonics of the turning frame.
+    pub harmonics: usize,
+    /// Change of the motion by the last half of them, over its largest coordinate.
+    pub truncation: f64,
+    /// Newton iterations.
+    pub iterations: usize,
 }
 
 /// The shaft at one speed, seen from the frame that turns with it.
@@ -240,6 +254,9 @@ pub struct History {
     /// Energies.
     #[serde(rename = "energy_J")]
     pub energy_j: EnergyHistory,
+    /// Power of every load, by JSON path; only with loads.
+    #[serde(rename = "load_power_W", skip_serializing_if = "BTreeMap::is_empty")]
+    pub load_power_w: BTreeMap<String, Vec<f64>>,
     /// Angular momentum about x.
     pub angular_momentum_kg_m2_s: Vec<f64>,
     /// Torque of the drive.
@@ -345,12 +362,16 @@ pub struct EnergyHistory {
     pub potential: Vec<f64>,
     /// Work of the drive since the start.
     pub drive_work: Vec<f64>,
+    /// Work of the loads without potential (moments, pressure, what follows) since the start; only with such loads.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub load_work: Vec<f64>,
     /// Potential of penetrated stators; only with stators.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub stators: Vec<f64>,
     /// Absorbed by material damping, external damping, bearings and friction at stators since the start.
     pub absorbed: Vec<f64>,
-    /// Work of the drive less change of energy less absorbed energy: what the integrator lost.
+    /// Work of the drive and of the loads without potential less change of energy less absorbed energy: what the integrator
+    /// lost.
     pub lost: Vec<f64>,
 }
 
@@ -360,6 +381,9 @@ pub struct EnergyBalance {
     /// Work of the drive.
     #[serde(rename = "drive_work_J")]
     pub drive_work_j: f64,
+    /// Work of the loads without potential: moments, pressure, what follows; only with such loads.
+    #[serde(rename = "load_work_J", skip_serializing_if = "Option::is_none")]
+    pub load_work_j: Option<f64>,
     /// Change of kinetic, strain and potential energy, that of penetrated stators among it.
     #[serde(rename = "change_J")]
     pub change_j: f64,

@@ -5,13 +5,24 @@ use faer::Mat;
 use nalgebra::Vector3;
 use rotor::assembly::Assembly;
 use rotor::case::LoadedCase;
-use rotor::loads::dead_loads;
+use rotor::forces::{Forces, ScalarMass};
+use rotor::loads::{Loads, Turned, Which};
 use rotor::model::{ActsOn, Model};
 use rotor::results::{ModeKind, Static};
 use rotor::section::Section;
 use rotor::support::{displacement_weights, functions_at};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
+
+/// Forces of the loads on all coordinates of the undeformed shaft.
+fn loads_at_rest(assembly: &Assembly<'_>) -> Vec<f64> {
+    let model = assembly.model;
+    let q = Forces::new(assembly).expect("forces").reference();
+    let loads = Loads::new(model, &assembly.numbering, &ScalarMass::new(model), Which::All);
+    let mut force = vec![0.0; q.len()];
+    loads.add(&q, Turned::NOT, 1.0, &mut force);
+    force
+}
 
 fn tube(outer: f64, inner: f64) -> Value {
     json!({ "shape": "tube", "outer_radius": outer, "inner_radius": inner })
@@ -87,7 +98,7 @@ fn resultants_are_those_asked_for() {
             let more = json!({ "shaft": { "element": element }, "loads": load });
             let model = model(&shaft(section.clone(), 1.0, 2, more));
             let assembly = Assembly::unconstrained(&model);
-            let loads = dead_loads(&model, &assembly.numbering);
+            let loads = loads_at_rest(&assembly);
             for axis in 0..3 {
                 let e = Vector3::ith(axis, 1.0);
                 let work = |q: Vec<f64>| -> f64 { q.iter().zip(&loads).map(|(q, f)| q * f).sum() };
@@ -501,7 +512,7 @@ fn pressures_have_no_resultant_and_compress() {
         let model =
             model(&shaft(section, 1.0, 2, json!({ "shaft": { "element": element }, "loads": loads })));
         let assembly = Assembly::unconstrained(&model);
-        let force = dead_loads(&model, &assembly.numbering);
+        let force = loads_at_rest(&assembly);
         let size: f64 = force.iter().map(|f| f.abs()).fold(0.0, f64::max);
         for axis in 0..3 {
             let e = Vector3::ith(axis, 1.0);
@@ -598,7 +609,7 @@ fn bad_input_is_answered_with_place_and_remedy() {
     refuse(
         circle(),
         "34X3",
-        surface(json!({ "surface": "rim", "pressure": 1, "follower": true })),
+        surface(json!({ "surface": "rim", "pressure": 1, "follower": false })),
         "loads.0.follower",
         &["false"],
     );

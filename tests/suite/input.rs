@@ -3,7 +3,7 @@
 use rotor::case::{Case, LoadedCase};
 use rotor::error::{Error, Result};
 use rotor::model::{
-    Frame, Integrator, LoadKind, Model, Phase, Quadrature, SpinupSettings, StaticSettings, SurfaceLoad,
+    Frame, Integrator, LoadKind, Model, Phase, Quadrature, Reading, SpinupSettings, StaticSettings, SurfaceLoad,
     Traction,
 };
 use rotor::section::Surface;
@@ -229,7 +229,7 @@ fn every_fault_names_path_value_and_remedy() {
         ),
         (
             "loads",
-            json!([{ "surface": "top", "traction": [0, 1, 0], "follower": true }]),
+            json!([{ "surface": "top", "pressure": 1, "follower": false }]),
             "loads.0.follower",
             &["not part of this version", "false"],
         ),
@@ -449,7 +449,8 @@ fn loads_stand_at_element_ends() {
         assert!(model.elements.iter().any(|e| e.first_node == load.node));
     }
     let load = SurfaceLoad::Traction([0.0, 3.0, 0.0]);
-    assert_eq!(model.tractions, [Traction { surface: Surface::Bottom, load }]);
+    let (reading, path) = (Reading::FixedInSpace, "loads.1".to_owned());
+    assert_eq!(model.tractions, [Traction { surface: Surface::Bottom, load, reading, path }]);
 }
 
 /// Supports that turn with the drive, and drives that turn nothing.

@@ -4,7 +4,7 @@ use super::Input;
 use crate::case;
 use crate::error::Result;
 use crate::model::mesh::Mesh;
-use crate::model::{Load, LoadKind, Probe, SurfaceLoad, Traction};
+use crate::model::{Load, LoadKind, Probe, Reading, SurfaceLoad, Traction};
 use crate::section::{Section, Shape, Surface};
 
 /// Largest component of a force, moment, traction or acceleration, SI.
@@ -31,21 +31,12 @@ impl Input<'_> {
             let path = format!("loads.{i}");
             let local = load.force.is_some() || load.moment.is_some();
             let spread = load.surface.is_some() && (load.traction.is_some() != load.pressure.is_some());
-            let surface_keys = load.surface.is_some()
-                || load.traction.is_some()
-                || load.pressure.is_some()
-                || load.follower.is_some();
+            let surface_keys = load.surface.is_some() || load.traction.is_some() || load.pressure.is_some();
             let allowed = "at with force or moment; or surface with traction or pressure";
             if local == spread || (local && surface_keys) || (spread && load.acts_on.is_some()) {
                 return self.fault(&path, "the load is incomplete or mixed", allowed);
             }
-            if load.follower == Some(true) {
-                return self.fault(
-                    &format!("{path}.follower"),
-                    "loads that follow the surface are not part of this version",
-                    "false: a load that keeps its direction and acts on the undeformed area",
-                );
-            }
+            let reading = self.reading(&path, load)?;
             match load.at {
                 Some(at) if local => self.on_shaft(&format!("{path}.at"), at.0, length)?,
                 None if spread => {}
@@ -61,11 +52,13 @@ impl Input<'_> {
             let acts_on = self.acts_on(&path, load.acts_on, mesh, sections, node)?;
             if let Some(force) = load.force.map(|f| f.map(|c| c.0)) {
                 self.bounded(&format!("{path}.force"), force)?;
-                loads.push(Load { node, kind: LoadKind::Force(force), acts_on });
+                let (kind, path) = (LoadKind::Force(force), path.clone());
+                loads.push(Load { node, kind, acts_on, reading, path });
             }
             if let Some(moment) = load.moment.map(|m| m.map(|c| c.0)) {
                 self.bounded(&format!("{path}.moment"), moment)?;
-                loads.push(Load { node, kind: LoadKind::Moment(moment), acts_on });
+                let (kind, path) = (LoadKind::Moment(moment), path.clone());
+                loads.push(Load { node, kind, acts_on, reading, path });
             }
             let Some(surface) = load.surface else { continue };
             let surface = match surface {
@@ -83,14 +76,41 @@ impl Input<'_> {
             }
             if let Some(traction) = load.traction.map(|t| t.map(|c| c.0)) {
                 self.bounded(&format!("{path}.traction"), traction)?;
-                tractions.push(Traction { surface, load: SurfaceLoad::Traction(traction) });
+                let (load, path) = (SurfaceLoad::Traction(traction), path.clone());
+                tractions.push(Traction { surface, load, reading, path });
             }
             if let Some(pressure) = load.pressure {
                 self.within(&format!("{path}.pressure"), pressure.0.abs(), 0.0, LARGEST)?;
-                tractions.push(Traction { surface, load: SurfaceLoad::Pressure(pressure.0) });
+                let (load, path) = (SurfaceLoad::Pressure(pressure.0), path.clone());
+                tractions.push(Traction { surface, load, reading, path });
             }
         }
         Ok((loads, tractions))
+    }
+
+    /// How a load moves.
+    fn reading(&self, path: &str, load: &case::Load) -> Result<Reading> {
+        let (follows, dead) = (load.follower == Some(true), load.dead == Some(true));
+        if dead && (load.force.is_some() || load.traction.is_some() || follows) {
+            return self.fault(
+                &format!("{path}.dead"),
+                "only a moment or a pressure that does not follow can be read as dead: forces and tractions keep their \
+                 direction anyway",
+                "no \"dead\", or a load of its own for the moment or pressure",
+            );
+        }
+        if load.pressure.is_some() && load.follower == Some(false) && !dead {
+            return self.fault(
+                &format!("{path}.follower"),
+                "a pressure acts on the surface as it is now",
+                "\"dead\": true for the tractions that it is on the undeformed surface; or leave this out",
+            );
+        }
+        Ok(match (dead, follows || load.pressure.is_some()) {
+            (true, _) => Reading::Dead,
+            (false, true) => Reading::Following,
+            (false, false) => Reading::FixedInSpace,
+        })
     }
 
     pub(super) fn probes(&self, mesh: &Mesh, length: f64, sections: &[Section]) -> Result<Vec<Probe>> {
