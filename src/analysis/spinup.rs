@@ -528,7 +528,7 @@ impl<'a> Recorder<'a> {
         let (Moment { t, z, v, .. }, flows) = self.last;
         let mut history = self.history;
         let rub = self.rub.map(|rub| {
-            let (rub, stators) = rub.finish(dynamics, t, &mut summary, &mut diagnostics);
+            let (rub, stators) = rub.finish(dynamics, t, &mut summary);
             history.stators = stators;
             rub
         });
