@@ -167,6 +167,11 @@ impl<'a> Assembly<'a> {
         }
     }
 
+    /// A coordinate as a sum over the free ones, `(free coordinate, factor)`.
+    pub fn expansion(&self, coordinate: usize) -> &[(usize, f64)] {
+        &self.expansion[coordinate]
+    }
+
     /// The free coordinates among all coordinates `q` (the inverse of [`Self::expand`] where q satisfies
     /// the constraints).
     pub fn restrict(&self, q: &[f64]) -> Vec<f64> {

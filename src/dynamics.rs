@@ -255,9 +255,8 @@ impl<'a> Dynamics<'a> {
 
     /// Puts rings around the shaft.
     pub fn surround(&mut self, stators: &[Stator]) {
-        let (model, numbering) = (self.assembly.model, &self.assembly.numbering);
         let fastest = self.drive.largest_speed();
-        self.rub.rings = stators.iter().map(|s| Ring::new(model, numbering, s, fastest)).collect();
+        self.rub.rings = stators.iter().map(|s| Ring::new(self.assembly, s, fastest)).collect();
     }
 
     /// The rings around the shaft and what they took.
@@ -265,29 +264,21 @@ impl<'a> Dynamics<'a> {
         &self.rub
     }
 
-    /// Before a step of length h from a state: decides whether contact is possible in it.
-    pub fn look_at_stators(&mut self, t: f64, [z, v, a]: [&[f64]; 3], h: f64) {
-        if self.rub.rings.is_empty() || self.rub.is_clear(t, h) {
-            self.rub.stay_clear();
-            return;
-        }
-        self.move_to(self.drive.at(t), z, v, a);
-        let m = &self.memory;
-        self.rub.look(t, h, [&m.position, &m.velocity, &m.acceleration]);
+    /// The same, for an integrator to choose the rings that act.
+    pub fn rub_mut(&mut self) -> &mut Rub {
+        &mut self.rub
     }
 
-    /// Gap and forces at every stator in a state, whether or not it is near.
+    /// Gap at every stator in a state, and force and slip at those that act.
     pub fn contacts(&mut self, t: f64, z: &[f64], v: &[f64]) -> Vec<Contact> {
         let zero = vec![0.0; z.len()];
         self.move_to(self.drive.at(t), z, v, &zero);
         self.present_contacts()
     }
 
-    /// Gap and forces at every stator in the state of the last evaluation or [`Self::state`].
+    /// The same in the state of the last evaluation or [`Self::state`].
     pub fn present_contacts(&self) -> Vec<Contact> {
-        let m = &self.memory;
-        let of = |ring: &Ring| ring.law.contact(&ring.gather(&m.position), &ring.gather(&m.velocity));
-        self.rub.rings.iter().map(of).collect()
+        self.rub.contacts(&self.memory.position, &self.memory.velocity)
     }
 
     /// Number of unknowns.
@@ -383,8 +374,7 @@ impl<'a> Dynamics<'a> {
                 m.inertia[at + 2] += w * force[1];
             }
         }
-        self.powers.friction =
-            if self.rub.near { self.rub.add(&m.position, &m.velocity, &mut m.inertia) } else { 0.0 };
+        self.powers.friction = self.rub.add(&m.position, &m.velocity, &mut m.inertia);
         let axes = Turned { sin, cos };
         self.loads.add(&m.position, axes, -1.0, &mut m.inertia);
         self.powers.loads = if self.loads.depend_on_place() {
@@ -654,7 +644,7 @@ impl<'a> Dynamics<'a> {
             kinetic: dot(&m.velocity, &m.inertia) / 2.0,
             strain,
             potential,
-            stators: if self.rub.near { self.rub.energy(&m.position) } else { 0.0 },
+            stators: self.rub.energy(&m.position),
             angular_momentum: moment(&m.position, &m.inertia),
         }
     }

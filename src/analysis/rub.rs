@@ -4,12 +4,10 @@ use crate::dynamics::Dynamics;
 use crate::error::{Error, Result};
 use crate::integrate::Step;
 use crate::model::Stator;
-use crate::results::{
-    Diagnostic, ModelSummary, RubEvent, RubEventKind, RubSummary, StatorHistory, StatorSummary,
-};
-use crate::rub::Contact;
+use crate::results::{ModelSummary, RubEvent, RubEventKind, RubSummary, StatorHistory, StatorSummary};
+use crate::rub::{Contact, Path};
 
-/// Points of a step with possible contact that are looked at for the record.
+/// Points of a step with a ring that acts or is reached that are looked at for the record.
 const POINTS: usize = 6;
 /// Most points of a curve that is drawn.
 const DRAWN: f64 = 20_000.0;
@@ -20,8 +18,8 @@ const LISTED: usize = 1000;
 pub struct RubRecorder {
     stators: Vec<StatorSummary>,
     histories: Vec<StatorHistory>,
-    /// Time and gap at the last point, and the time at which the present contact was made.
-    last: Vec<(f64, f64, Option<f64>)>,
+    /// Times at which the present contacts were made.
+    since: Vec<Option<f64>>,
     /// Time of the last point drawn, and the shortest time to the next.
     drawn: (f64, f64),
 }
@@ -62,7 +60,7 @@ impl RubRecorder {
         Ok(Self {
             stators: stators.iter().zip(start).map(summary).collect(),
             histories: vec![StatorHistory::default(); stators.len()],
-            last: start.iter().map(|contact| (0.0, contact.gap, None)).collect(),
+            since: vec![None; start.len()],
             drawn: (f64::NEG_INFINITY, until / DRAWN),
         })
     }
@@ -78,21 +76,31 @@ impl RubRecorder {
         }
     }
 
-    /// Takes up a step: contact is made and lost between its points, and where the gap passes zero between two of them
-    /// is interpolated.
+    /// Takes up a step. Contact is made and lost where the path of the axis in it meets a ring.
     pub fn record(&mut self, dynamics: &mut Dynamics<'_>, step: &Step<'_>) {
-        if !dynamics.rub().near {
+        let h = step.end.t - step.start.t;
+        let ends = [step.start.lists(), step.end.lists()];
+        let rings = &dynamics.rub().rings;
+        let paths: Vec<Path> = rings.iter().map(|ring| ring.path(h, ends)).collect();
+        // a ring that does not act is touched at the end of a step or not at all
+        let concerned =
+            |(i, path): (usize, &Path)| rings[i].acts || path.radius(1.0) > self.stators[i].clearance_m;
+        let concerned: Vec<usize> = paths.iter().enumerate().filter(|&p| concerned(p)).map(|p| p.0).collect();
+        if concerned.is_empty() {
             return;
+        }
+        for i in concerned {
+            self.events(i, &paths[i], step.start.t, h);
         }
         let n = step.end.z.len();
         let (mut z, mut v, mut a) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         for k in 0..=POINTS {
-            let t = step.start.t + (step.end.t - step.start.t) * k as f64 / POINTS as f64;
+            let t = step.start.t + h * k as f64 / POINTS as f64;
             step.interpolate(t, &mut z, &mut v, &mut a);
             let contacts = dynamics.contacts(t, &z, &v);
             let draw = t - self.drawn.0 >= self.drawn.1;
             for (i, contact) in contacts.iter().enumerate() {
-                self.point(i, t, contact);
+                keep_extremes(&mut self.stators[i], t, contact);
                 if draw {
                     self.histories[i].drawn.push((t, *contact));
                 }
@@ -103,26 +111,32 @@ impl RubRecorder {
         }
     }
 
-    fn point(&mut self, i: usize, t: f64, contact: &Contact) {
-        let (stator, (before, gap, since)) = (&mut self.stators[i], self.last[i]);
-        keep_extremes(stator, t, contact);
-        let crossing = if gap == contact.gap { t } else { before + (t - before) * gap / (gap - contact.gap) };
-        let since = match (since, contact.gap < 0.0) {
-            (None, true) => {
+    /// Contacts made and lost in a step that begins at t and takes h. A contact is lost before a point at which the gap is open
+    /// again, and made anew after that.
+    fn events(&mut self, i: usize, path: &Path, t: f64, h: f64) {
+        let (stator, since) = (&mut self.stators[i], &mut self.since[i]);
+        let clearance = stator.clearance_m;
+        let mut share = 0.0;
+        for point in (1..=POINTS).map(|k| k as f64 / POINTS as f64) {
+            if since.is_none() {
+                let Some(made) = path.passes(clearance, share) else { return };
+                share = made;
+                let time = t + made * h;
                 stator.touched = true;
                 stator.contacts += 1;
-                stator.first_contact_s = stator.first_contact_s.or(Some(crossing));
-                list(stator, crossing, RubEventKind::Contact);
-                Some(crossing)
+                stator.first_contact_s = stator.first_contact_s.or(Some(time));
+                list(stator, time, RubEventKind::Contact);
+                *since = Some(time);
             }
-            (Some(made), false) => {
-                end_contact(stator, crossing - made);
-                list(stator, crossing, RubEventKind::Release);
-                None
+            if point > share && path.radius(point) <= clearance {
+                share = path.returns(clearance, share, point);
+                if let Some(made) = since.take() {
+                    let time = t + share * h;
+                    end_contact(stator, time - made);
+                    list(stator, time, RubEventKind::Release);
+                }
             }
-            (since, _) => since,
-        };
-        self.last[i] = (t, contact.gap, since);
+        }
     }
 
     /// The record, with what was modelled and left out.
@@ -131,12 +145,11 @@ impl RubRecorder {
         dynamics: &Dynamics<'_>,
         end: f64,
         model: &mut ModelSummary,
-        diagnostics: &mut Vec<Diagnostic>,
     ) -> (RubSummary, Vec<StatorHistory>) {
         if self.stators.iter().any(|s| s.touched) {
             model.left_out.retain(|text| !text.starts_with("contact"));
         }
-        for (stator, (.., since)) in self.stators.iter_mut().zip(&self.last) {
+        for (stator, since) in self.stators.iter_mut().zip(&self.since) {
             since.iter().for_each(|made| end_contact(stator, end - made));
             if stator.touched {
                 model
@@ -150,15 +163,6 @@ impl RubRecorder {
             }
         }
         let rub = dynamics.rub();
-        if rub.missed > 0.0 {
-            diagnostics.push(Diagnostic::warning(
-                "late-contact",
-                format!(
-                    "the shaft was found {:.3e} m inside a ring that it should not have reached yet: shorter steps (tighter rtol and atol) meet it in time",
-                    rub.missed
-                ),
-            ));
-        }
         for history in &mut self.histories {
             history.drawn.sort_by(|a, b| a.0.total_cmp(&b.0));
         }

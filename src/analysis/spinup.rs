@@ -695,7 +695,7 @@ impl<'a> Recorder<'a> {
         let integrator = model.spinup.as_ref().map(|s| s.integrator);
         let (mut results, rub) = self.results(dynamics, run.complete);
         if let Some(rub) = rub {
-            let (rub, stators) = rub.finish(dynamics, t, &mut summary, &mut diagnostics);
+            let (rub, stators) = rub.finish(dynamics, t, &mut summary);
             if let Some(history) = &mut results.history {
                 history.stators = stators;
             }

@@ -39,7 +39,7 @@ const fn moulton() -> [f64; HIGHEST + 2] {
     gamma
 }
 
-/// Integrates from `start` to the last stop, where the method starts anew.
+/// Integrates from `start` to the last stop. The method starts anew at every stop and where a ring is touched.
 ///
 /// # Errors
 /// As [`super::integrate`].
@@ -49,37 +49,42 @@ pub fn integrate(
     settings: &Settings,
     on_step: &mut OnStep<'_>,
 ) -> Result<Progress> {
-    let mut course = Course::new(settings);
     let mut run = Run::new(dynamics, start);
+    let mut course = Course::new(settings, dynamics, &run.now);
     let mut progress = Progress::default();
+    run.restart(settings);
     while run.now.t < course.until {
         let stop = course.stop_after(run.now.t);
-        run.restart(settings);
-        while run.now.t < stop {
-            let left = stop - run.now.t;
-            let last = run.h >= left * (1.0 - 1e-9);
-            // the last two steps before a stop share what is left
-            let taken = if last { left } else { run.h.min(left / 2.0) };
-            course.resolve(taken, run.now.t, progress)?;
-            dynamics.look_at_stators(run.now.t, [&run.now.z, &run.now.v, &run.now.a], taken);
-            if !run.attempt(dynamics, taken, settings) {
-                progress.rejected += 1;
-                if run.failures > HOPELESS {
-                    return Err(failed(
-                        format!("no step has a tolerable error at t = {:.6e} s", run.now.t),
-                        format!("a step of {taken:.3e} s with order 1"),
-                    ));
-                }
-                continue;
+        let left = stop - run.now.t;
+        let last = run.h >= left * (1.0 - 1e-9);
+        // the last two steps before a stop share what is left
+        let taken = if last { left } else { run.h.min(left / 2.0) };
+        course.resolve(taken, run.now.t, progress)?;
+        if !run.attempt(dynamics, taken, settings) {
+            progress.rejected += 1;
+            if run.failures > HOPELESS {
+                return Err(failed(
+                    format!("no step has a tolerable error at t = {:.6e} s", run.now.t),
+                    format!("a step of {taken:.3e} s with order 1"),
+                ));
             }
-            progress.steps += 1;
-            run.next.t = if last { stop } else { run.now.t + taken };
-            run.accept(dynamics);
-            if on_step(dynamics, &run.finished(dynamics), progress)?.is_break() {
-                return Ok(progress);
-            }
-            run.advance();
-            course.count(taken, run.now.t, progress.steps)?;
+            continue;
+        }
+        if !course.stands(dynamics, &run.now, &run.next, taken) {
+            progress.rejected += 1;
+            continue;
+        }
+        progress.steps += 1;
+        run.next.t = if last { stop } else { run.now.t + taken };
+        run.accept(dynamics);
+        if on_step(dynamics, &run.finished(dynamics), progress)?.is_break() {
+            return Ok(progress);
+        }
+        run.advance();
+        course.prepare(dynamics, &run.now);
+        course.count(taken, run.now.t, progress.steps)?;
+        if last {
+            run.restart(settings);
         }
     }
     Ok(progress)
@@ -158,15 +163,10 @@ impl Run {
     fn restart(&mut self, settings: &Settings) {
         let n = self.now.z.len();
         let fastest = self.phi[0][n..].iter().fold(0.0, |m: f64, a| m.max(a.abs()));
-        let modest = 0.25 * (self.tolerance(settings) / fastest.max(f64::MIN_POSITIVE)).sqrt();
+        let modest = 0.25 * (settings.tolerance(&self.now.z) / fastest.max(f64::MIN_POSITIVE)).sqrt();
         (self.h, self.order, self.starting) = (settings.first_step.min(modest), 1, true);
         (self.valid, self.equal, self.failures) = (1, 0, 0);
         self.times.clear();
-    }
-
-    fn tolerance(&self, settings: &Settings) -> f64 {
-        let largest = self.now.z.iter().fold(0.0, |m: f64, z| m.max(z.abs()));
-        settings.atol + settings.rtol * largest
     }
 
     /// `beta_j` and `g_j` for a step of size h from the present time.
@@ -220,7 +220,7 @@ impl Run {
             self.last[i] += self.next.v[i];
             self.last[n + i] += self.next.a[i];
         }
-        self.errors = self.estimate(h, self.tolerance(settings));
+        self.errors = self.estimate(h, settings.tolerance(&self.now.z));
         if self.errors.own <= 1.0 {
             let g = h * self.g[k];
             for i in 0..n {

@@ -89,7 +89,7 @@ pub fn integrate(
     on_step: &mut OnStep<'_>,
 ) -> Result<Progress> {
     let mut run = Run::new(dynamics, start, scheme, settings);
-    let mut course = Course::new(settings);
+    let mut course = Course::new(settings, dynamics, &run.now);
     let mut progress = Progress::default();
     let mut h = settings.step.unwrap_or(settings.first_step).min(course.until);
     let mut failures = 0;
@@ -109,18 +109,22 @@ pub fn integrate(
             h
         };
         course.resolve(taken, run.now.t, progress)?;
-        dynamics.look_at_stators(run.now.t, [&run.now.z, &run.now.v, &run.now.a], taken);
         let error = run.step(dynamics, taken, settings)?;
         match error {
             Some(error) if error <= 1.0 || run.fixed => {
+                if !course.stands(dynamics, &run.now, &run.next, taken) {
+                    progress.rejected += 1;
+                    continue;
+                }
                 failures = 0;
                 progress.steps += 1;
                 run.next.t = if last { stop } else { run.now.t + taken };
-                let step = run.accept(dynamics);
+                let step = run.accept(dynamics, taken);
                 if on_step(dynamics, &step, progress)?.is_break() {
                     return Ok(progress);
                 }
                 run.advance();
+                course.prepare(dynamics, &run.now);
                 let laborious = run.newton.laborious();
                 run.newton.accepted();
                 if settings.step.is_none() {
@@ -203,7 +207,33 @@ impl Run {
         }
     }
 
-    fn accept(&self, dynamics: &Dynamics<'_>) -> Step<'_> {
+    /// Takes over the powers of a step of length h and what serves the guesses of the next one.
+    fn accept(&mut self, dynamics: &Dynamics<'_>, h: f64) -> Step<'_> {
+        self.torque[1] = dynamics.powers.torque;
+        let t0 = self.now.t;
+        match self.scheme {
+            Scheme::Esdirk => {
+                self.last_powers = (t0 + h, Flows::of(dynamics, t0 + h));
+                // the stages in the second half serve the next extrapolation
+                self.history.clear();
+                self.history.extend([3, 4, 5].map(|j| (t0 + C[j] * h, self.stages[j].1.clone())));
+            }
+            Scheme::GeneralizedAlpha { rho_infinity } => {
+                // powers are known between the ends: a trapezoid from one evaluation to the next, then on to the end
+                let t = t0 + (1.0 - rho_infinity / (rho_infinity + 1.0)) * h;
+                let power = Flows::of(dynamics, t);
+                let (before, old) = self.last_powers;
+                let (span, rest) = (t - before, t0 + h - t);
+                let slope = power.plus(-1.0, old);
+                let beyond = Flows::default().plus(rest, power).plus(rest * rest / (2.0 * span), slope);
+                let reached =
+                    self.flows[0].plus(-1.0, self.beyond).plus(span / 2.0, power).plus(span / 2.0, old);
+                self.flows[1] = reached.plus(1.0, beyond);
+                self.beyond = beyond;
+                self.last_powers = (t, power);
+                self.history = vec![(t0, self.now.a.clone())];
+            }
+        }
         let speeds = [self.now.t, self.next.t].map(|t| dynamics.drive.at(t).speed);
         let power = [0, 1].map(|i| self.torque[i] * speeds[i]);
         Step { start: &self.now, end: &self.next, flows: self.flows, torque: self.torque, power }
@@ -217,8 +247,7 @@ impl Run {
 
     /// Tries a step; its error over the tolerance, or nothing when Newton's method failed.
     fn step(&mut self, dynamics: &mut Dynamics<'_>, h: f64, settings: &Settings) -> Result<Option<f64>> {
-        let largest = self.now.z.iter().fold(0.0, |m: f64, z| m.max(z.abs()));
-        let tolerance = settings.atol + settings.rtol * largest;
+        let tolerance = settings.tolerance(&self.now.z);
         match self.scheme {
             Scheme::Esdirk => self.esdirk(dynamics, h, tolerance),
             Scheme::GeneralizedAlpha { rho_infinity } => {
@@ -272,18 +301,9 @@ impl Run {
             let e: f64 = (0..STAGES).map(|j| (B[j] - EMBEDDED[j]) * self.stages[j].0[k]).sum();
             error = error.max((h * e).abs());
         }
+        self.flows[1] = flows;
         let error = error / tolerance;
-        if !error.is_finite() {
-            return Ok(None);
-        }
-        if error <= 1.0 || self.fixed {
-            self.last_powers = (t0 + h, Flows::of(dynamics, t0 + h));
-            (self.flows[1], self.torque[1]) = (flows, dynamics.powers.torque);
-            // the stages in the second half serve the next extrapolation
-            self.history.clear();
-            self.history.extend([3, 4, 5].map(|j| (t0 + C[j] * h, self.stages[j].1.clone())));
-        }
-        Ok(Some(error))
+        Ok(error.is_finite().then_some(error))
     }
 
     fn generalized_alpha(
@@ -336,24 +356,7 @@ impl Run {
         }
         // local error of the displacement: the algorithm's acceleration lags by (alpha_f - alpha_m) h
         let error = h * h * (beta + (alpha_f - alpha_m) / 2.0 - 1.0 / 6.0).abs() * change / tolerance;
-        if !error.is_finite() {
-            return Ok(None);
-        }
-        if error > 1.0 && !self.fixed {
-            return Ok(Some(error));
-        }
-        // powers are known between the ends: a trapezoid from one evaluation to the next, then on to the end
-        let power = Flows::of(dynamics, t);
-        let (before, old) = self.last_powers;
-        let (span, rest) = (t - before, self.now.t + h - t);
-        let slope = power.plus(-1.0, old);
-        let beyond = Flows::default().plus(rest, power).plus(rest * rest / (2.0 * span), slope);
-        let reached = self.flows[0].plus(-1.0, self.beyond).plus(span / 2.0, power).plus(span / 2.0, old);
-        self.flows[1] = reached.plus(1.0, beyond);
-        (self.torque[1], self.beyond) = (dynamics.powers.torque, beyond);
-        self.last_powers = (t, power);
-        self.history = vec![(self.now.t, self.now.a.clone())];
-        Ok(Some(error))
+        Ok(error.is_finite().then_some(error))
     }
 }
 
@@ -476,14 +479,16 @@ impl Newton {
                 (fresh, self.slow, self.rate) = (true, false, 1.0);
                 self.secants.clear();
             }
-            if self.iterate(dynamics, stage, x, tolerance, false)? {
+            if self.iterate(dynamics, stage, x, tolerance, false) {
                 return Ok(true);
             }
             x.copy_from_slice(&guess);
+            // where the last iterate touched says nothing about the guess
+            dynamics.rub_mut().touching.clear();
             if fresh && self.present {
                 // the last resort: a tangent in every iteration
                 self.secants.clear();
-                if self.iterate(dynamics, stage, x, tolerance, true)? {
+                if self.iterate(dynamics, stage, x, tolerance, true) {
                     return Ok(true);
                 }
             }
@@ -512,7 +517,7 @@ impl Newton {
         x: &mut [f64],
         tolerance: f64,
         full: bool,
-    ) -> Result<bool> {
+    ) -> bool {
         let (mut before, mut stalls) = (f64::INFINITY, 0);
         self.effort.0 += 1;
         for iteration in 0..ITERATIONS {
@@ -525,14 +530,16 @@ impl Newton {
             let moved = self.matrix.as_ref().is_some_and(|matrix| dynamics.contact_moved(matrix));
             if full || moved {
                 let z = (full || self.present).then_some(&self.z[..]);
-                self.matrix = Some(dynamics.newton_matrix(stage.t, stage.coefficients, z)?);
+                // an iterate far off may have none
+                let Ok(matrix) = dynamics.newton_matrix(stage.t, stage.coefficients, z) else { return false };
+                self.matrix = Some(matrix);
             }
             if moved {
                 // another contact is another problem: what was learnt of the last one does not hold
                 self.secants.clear();
                 (before, stalls, self.rate) = (f64::INFINITY, 0, 1.0);
             }
-            let Some(matrix) = &self.matrix else { return Ok(false) };
+            let Some(matrix) = &self.matrix else { return false };
             dynamics.correct(matrix, &mut self.change);
             if !full {
                 self.secants.improve(&mut self.change, iteration > 0);
@@ -541,7 +548,7 @@ impl Newton {
                 self.change.iter().fold(0.0, |m: f64, d| if d.abs() >= m { d.abs() } else { m + d * 0.0 });
             let size = size / tolerance;
             if !size.is_finite() {
-                return Ok(false);
+                return false;
             }
             x.iter_mut().zip(&self.change).for_each(|(x, d)| *x += d);
             if iteration > 0 {
@@ -550,16 +557,16 @@ impl Newton {
                 stalls = if size / before > 0.9 { stalls + 1 } else { 0 };
                 // corrections that no longer shrink are rounding, or no solution
                 if stalls > 1 || (size > 2.0 * before && !full) {
-                    return Ok(size * tolerance < ROUNDING * dynamics.assembly.model.length);
+                    return size * tolerance < ROUNDING * dynamics.assembly.model.length;
                 }
             }
             let rate = self.rate.min(0.9);
             if size * rate / (1.0 - rate) < NEWTON {
-                return Ok(true);
+                return true;
             }
             before = size;
         }
-        Ok(false)
+        false
     }
 }
 

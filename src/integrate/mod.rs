@@ -9,6 +9,10 @@ use std::ops::ControlFlow;
 
 /// Steps after which the number still needed is estimated.
 const SETTLED: usize = 200;
+/// Times that a step is cut at a ring before the ring acts from its start.
+const CUTS: usize = 8;
+/// Share of a step that is not worth a step of its own before or after a touch.
+const SLIVER: f64 = 1e-3;
 
 /// Which method.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +40,13 @@ pub struct Settings {
     pub max_steps: usize,
     /// Times that steps must end at, ascending; the last one ends the run.
     pub stops: Vec<f64>,
+}
+
+impl Settings {
+    /// Tolerance of a step from displacements, m.
+    fn tolerance(&self, z: &[f64]) -> f64 {
+        self.atol + self.rtol * z.iter().fold(0.0, |m: f64, z| m.max(z.abs()))
+    }
 }
 
 /// Displacement, velocity and acceleration at a time.
@@ -90,8 +101,15 @@ pub type OnStep<'a> = dyn FnMut(&mut Dynamics<'_>, &Step<'_>, Progress) -> Resul
 pub struct Progress {
     /// Accepted steps.
     pub steps: usize,
-    /// Rejected steps (error or convergence).
+    /// Rejected steps (error, convergence, or a ring passed on the way).
     pub rejected: usize,
+}
+
+impl Moment {
+    /// Displacements, velocities and accelerations.
+    pub fn lists(&self) -> [&[f64]; 3] {
+        [&self.z, &self.v, &self.a]
+    }
 }
 
 impl Step<'_> {
@@ -199,17 +217,46 @@ struct Course<'a> {
     until: f64,
     /// Time that the last steps took, and their number.
     recent: (f64, usize),
+    /// Time at which the step under way reaches a ring, and how often it was cut there.
+    touch: (Option<f64>, usize),
 }
 
 impl<'a> Course<'a> {
-    fn new(settings: &'a Settings) -> Self {
-        Self { settings, until: settings.stops.last().copied().unwrap_or(0.0), recent: (0.0, 0) }
+    /// The way from a state.
+    fn new(settings: &'a Settings, dynamics: &mut Dynamics<'_>, start: &Moment) -> Self {
+        let until = settings.stops.last().copied().unwrap_or(0.0);
+        let mut course = Self { settings, until, recent: (0.0, 0), touch: (None, 0) };
+        course.prepare(dynamics, start);
+        course
     }
 
     /// The next time that a step must end at.
     fn stop_after(&self, t: f64) -> f64 {
         let next = self.settings.stops.iter().copied().find(|&s| s > t + 1e-12 * self.until);
-        next.unwrap_or(self.until)
+        let next = next.unwrap_or(self.until);
+        self.touch.0.map_or(next, |touch| touch.min(next))
+    }
+
+    /// Chooses the rings that act in a step from a state.
+    fn prepare(&mut self, dynamics: &mut Dynamics<'_>, now: &Moment) {
+        self.touch = (None, 0);
+        dynamics.rub_mut().prepare(&now.z, self.settings.tolerance(&now.z));
+    }
+
+    /// True when a step of length h stands. It does not when it passed a ring that did not act: then it is to be repeated
+    /// up to the touch or, where it can't be shortened, with the ring acting from its start.
+    fn stands(&mut self, dynamics: &mut Dynamics<'_>, now: &Moment, next: &Moment, h: f64) -> bool {
+        let tolerance = self.settings.tolerance(&now.z);
+        let rub = dynamics.rub_mut();
+        let Some((ring, share)) = rub.reached(h, [now.lists(), next.lists()], tolerance) else { return true };
+        let (_, cuts) = self.touch;
+        let sliver = share.min(1.0 - share) < SLIVER;
+        if self.settings.step.is_some() || cuts == CUTS || sliver {
+            rub.rings[ring].acts = true;
+        } else {
+            self.touch = (Some(now.t + share * h), cuts + 1);
+        }
+        false
     }
 
     /// Refuses a step that time can't resolve.
@@ -225,7 +272,7 @@ impl<'a> Course<'a> {
 
     /// Counts a step that ended at `t`; an error when the run would need too many of them.
     fn count(&mut self, step: f64, t: f64, steps: usize) -> Result<()> {
-        let Self { settings, until, recent } = self;
+        let Self { settings, until, recent, .. } = self;
         *recent = if recent.1 >= SETTLED { (step, 1) } else { (recent.0 + step, recent.1 + 1) };
         let spent = steps >= settings.max_steps;
         if !spent && (steps <= SETTLED || recent.1 < SETTLED / 2) {

@@ -130,12 +130,15 @@ fn rub(report: &Report<Spinup>, h: &History, summary: &RubSummary) -> Result<Str
     if summary.stators.iter().any(|s| s.largest_friction_force_n > 0.0) {
         panels.push(panel(("Friction force", "N"), &|c| c.friction_force));
     }
+    let first = summary.stators.iter().filter_map(|s| Some((s.first_contact_s?, s.at_m)));
+    let first = first.min_by(|a, b| a.0.total_cmp(&b.0));
+    let first = first.map_or(String::new(), |(t, x)| format!("First contact at {t:.5} s, at {x} m. "));
     let remarks = match panels.len() {
         1 => "No ring was touched: there are no forces.",
         2 => "A gap below zero is penetration.",
         _ => "A gap below zero is penetration; friction is positive in the sense of rotation.",
     };
-    figure(&Surroundings::new(report, "Rub", remarks.to_owned()), &panels, 1)
+    figure(&Surroundings::new(report, "Rub", first + remarks), &panels, 1)
 }
 
 fn run(report: &Report<Spinup>, h: &History) -> Result<String> {

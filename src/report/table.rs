@@ -311,10 +311,14 @@ fn rub(rub: &RubSummary) -> String {
         "ring",
     ];
     let rows: Vec<Vec<String>> = rub.stators.iter().map(row).collect();
-    let never = if rub.stators.iter().any(|s| s.touched) { "" } else { ": never touched, no contact forces" };
+    let said = if rub.stators.iter().any(|s| s.touched) {
+        "; contact begins where the path within a step meets the ring"
+    } else {
+        ": never touched, no contact forces"
+    };
     columns(&head, &rows)
         + &format!(
-            "  {} gap checks, {} evaluations with contact{never}\n",
+            "  {} gap checks, {} evaluations with contact{said}\n",
             rub.gap_checks, rub.contact_evaluations
         )
 }

@@ -275,7 +275,7 @@ pub struct History {
 pub struct StatorHistory {
     /// Clearance less radial displacement of the shaft's axis, positive when open.
     pub gap_m: Vec<f64>,
-    /// Force of the ring on the shaft towards its centre.
+    /// Force of the ring on the shaft towards its centre, as it acted in the equations that were integrated.
     #[serde(rename = "normal_force_N")]
     pub normal_force_n: Vec<f64>,
     /// Friction on the surface of the shaft in the sense of positive rotation: negative while it brakes the spin.
@@ -289,7 +289,7 @@ pub struct StatorHistory {
 /// What happened at the stators.
 #[derive(Debug, Clone, Serialize)]
 pub struct RubSummary {
-    /// Times that gaps were looked at, of `integrator.force_evaluations` and steps.
+    /// Looks at gaps: steps whose path could reach a ring, and evaluations with a ring that acts.
     pub gap_checks: usize,
     /// Evaluations of the equations with contact.
     pub contact_evaluations: usize,
@@ -320,7 +320,7 @@ pub struct StatorSummary {
     /// Largest friction force, by size.
     #[serde(rename = "largest_friction_force_N")]
     pub largest_friction_force_n: f64,
-    /// First contact; null when there was none.
+    /// First contact, where the path of the axis within a step meets the ring, not an output time; null when there was none.
     pub first_contact_s: Option<f64>,
     /// Number of contacts made.
     pub contacts: usize,
@@ -335,7 +335,7 @@ pub struct StatorSummary {
 /// Contact made or lost.
 #[derive(Debug, Clone, Serialize)]
 pub struct RubEvent {
-    /// When, interpolated within a step.
+    /// When the path of the axis within a step meets the ring.
     pub time_s: f64,
     /// Which of both.
     pub kind: RubEventKind,
