@@ -24,6 +24,8 @@ const SMALLEST_STEP: f64 = 1.0 / 1024.0;
 const ROUNDING: f64 = 1e-13;
 /// Strain whose energy is rounding.
 const ROUNDING_STRAIN: f64 = 1e-14;
+/// Length of an element over its radius below which rounding of its ends' places makes more strain than that.
+const SHORT: f64 = 0.1;
 
 /// The forces on a shaft at constant speed under its loads.
 pub struct Balance<'a> {
@@ -103,7 +105,12 @@ impl<'a> Balance<'a> {
         let skew = drag.is_some() || loads.depend_on_place() || model.bearings.iter().any(crossed);
         let (unresisted, motions) = assembly.rigid_motions();
         let modulus = |e: &Element| {
-            model.materials[e.material].youngs_modulus * model.sections[e.section].area() * e.length
+            let short = (SHORT * model.sections[e.section].outer_size() / e.length).max(1.0);
+            model.materials[e.material].youngs_modulus
+                * model.sections[e.section].area()
+                * e.length
+                * short
+                * short
         };
         Ok(Self {
             rounding: ROUNDING_STRAIN.powi(2) * model.elements.iter().map(modulus).sum::<f64>(),
