@@ -448,18 +448,28 @@ impl Search {
         }
     }
 
-    /// All springs with a gap below `limit` (m) in the state `q`.
-    ///
-    /// Each with the key of its probe.
+    /// All springs with a gap below `limit` (m) in the state `q`, each with the key of its probe. Nodes touch only what one of their own
+    /// faces faces: a constraint of a corner on the face beside another corner would hold it back without any obstacle.
     pub fn springs(&self, bodies: &Bodies<'_>, q: &[f64], limit: f64) -> Vec<(Key, Spring)> {
         if !self.any {
             return Vec::new();
         }
         let found = self.probes.iter().filter_map(|probe| {
             let hit = self.gap(bodies, probe, q)?;
-            (hit.gap <= limit && !hit.at_corner).then(|| (probe.key(), self.spring(probe, &hit)))
+            let counts = !at_nodes(bodies.scene) || self.faces_it(probe, &hit, q);
+            (hit.gap <= limit && !hit.at_corner && counts).then(|| (probe.key(), self.spring(probe, &hit)))
         });
         found.collect()
+    }
+
+    /// Whether a face that a probe lies on faces what it has met.
+    fn faces_it(&self, probe: &Probe, hit: &Hit, q: &[f64]) -> bool {
+        let face = &self.faces[probe.slave.0];
+        let own = normal(&face.points(q), probe.slave.1);
+        let next = normal(&self.faces[face.next].points(q), -1.0);
+        let against = own.dot(&hit.normal);
+        let least = if probe.kind == Kind::Corner { against.min(next.dot(&hit.normal)) } else { against };
+        least <= FACING
     }
 
     fn gap_at(

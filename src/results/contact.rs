@@ -147,7 +147,7 @@ pub struct PairState {
     pub gap_m: Option<f64>,
     /// Largest penetration where contact is enforced.
     pub penetration_m: f64,
-    /// Resultant force on the first body.
+    /// Resultant force on the first body; of a motion its mean over the last step.
     #[serde(rename = "force_N")]
     pub force_n: [f64; 3],
     /// Angle between the axes where they are nearest (spatial bodies).
@@ -172,10 +172,11 @@ pub struct ContactEvent {
     pub positions_m: [f64; 2],
     /// Smallest gap, the largest penetration with a minus.
     pub gap_m: f64,
-    /// Largest resultant force.
+    /// Largest resultant force, of the means over steps.
     #[serde(rename = "force_N")]
     pub force_n: f64,
-    /// Impulse on the first body.
+    /// Impulse on the first body: `sum F dt`, F the force that acts over the step in the integrator. All events of a body give the
+    /// change of its momentum that contact makes.
     #[serde(rename = "impulse_N_s")]
     pub impulse_n_s: [f64; 2],
 }
@@ -199,6 +200,12 @@ pub struct ContactSolver {
     pub searches: usize,
     /// Gaps measured.
     pub gaps: usize,
+    /// Entries of all systems of equations; of the elements and of contact.
+    #[serde(skip)]
+    pub entries: usize,
+    /// Patterns of entries that had to be ordered; systems of the same pattern share one.
+    #[serde(skip)]
+    pub orderings: usize,
 }
 
 /// A motion over time; one row per instant.
@@ -210,13 +217,13 @@ pub struct ContactHistory {
     pub pairs: Vec<[String; 2]>,
     /// Smallest gap of each pair.
     pub gap_m: Vec<Vec<Option<f64>>>,
-    /// Size of the resultant force of each pair.
+    /// Size of the resultant force of each pair, as a mean since the row before: `|sum F dt|/(t_k - t_(k-1))` over the steps between, F
+    /// the force that acts over the step. Zero in the first row.
     #[serde(rename = "force_N")]
     pub force_n: Vec<Vec<f64>>,
-    /// Of each pair, for drawing: time, largest penetration and force of every step in contact, with zeros where it begins and
-    /// ends.
+    /// Of each pair, for drawing: time and largest penetration of every step in contact, with zeros where it begins and ends.
     #[serde(skip)]
-    pub touches: Vec<Vec<[f64; 3]>>,
+    pub touches: Vec<Vec<[f64; 2]>>,
     /// Ends of the axes: `[body][time]` of `[start x, start y, end x, end y]`.
     pub ends_m: Vec<Vec<[f64; 4]>>,
     /// Mean velocity (momentum over mass) of each body.
