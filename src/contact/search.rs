@@ -163,7 +163,7 @@ impl Search {
                     list.push(Probe {
                         slave: (index, 1.0),
                         target,
-                        weight: scene.contact.point_penalty[face.body] * share,
+                        weight: scene.point_penalty(face.body, scene.penalty(face.body, target)) * share,
                         kind: Kind::Corner,
                         onto: Onto::Unknown,
                     });
@@ -188,7 +188,8 @@ impl Search {
         bounds.sort_by(f64::total_cmp);
         // in self-contact every place is seen from both sides
         let share = if face.body == target { 0.5 } else { 1.0 };
-        let per_length = settings.penalty * scene.bodies[face.body].width * share * face.length / 2.0;
+        let penalty = scene.penalty(face.body, target);
+        let per_length = penalty * scene.bodies[face.body].width * share * face.length / 2.0;
         for pair in bounds.windows(2).filter(|pair| pair[1] > pair[0]) {
             let (middle, half) = ((pair[0] + pair[1]) / 2.0, (pair[1] - pair[0]) / 2.0);
             for (x, w) in GAUSS {

@@ -9,7 +9,7 @@ pub struct Contact {
     pub method: &'static str,
     /// Of a motion "energy-consistent" or "semi-implicit-euler"; null in equilibrium.
     pub integrator: Option<&'static str>,
-    /// Pressure per penetration along lines.
+    /// Pressure per penetration along lines, of all pairs of bodies the largest.
     #[serde(rename = "penalty_N_m3")]
     pub penalty_n_m3: f64,
     /// Whether the whole load or the whole time was reached.
@@ -61,7 +61,7 @@ pub struct SceneCheck {
     pub pairs: Vec<PairCheck>,
     /// As in [`Contact`].
     pub method: &'static str,
-    /// Pressure per penetration along lines.
+    /// Pressure per penetration along lines, of all pairs of bodies the largest.
     #[serde(rename = "penalty_N_m3")]
     pub penalty_n_m3: f64,
     /// Of a motion, as in [`Contact`].
@@ -97,7 +97,7 @@ pub struct BodyCheck {
     pub end_m: [f64; 3],
     /// Velocity at the start.
     pub velocity_m_s: [f64; 3],
-    /// Force per penetration at its corners, or at a point contact.
+    /// Force per penetration at its corners, or at a point contact, with the largest penalty of the scene.
     pub point_penalty_n_m: f64,
     /// Number of its supports.
     pub supports: usize,
@@ -113,6 +113,9 @@ pub struct PairCheck {
     /// Smallest gap: at nodes of either boundary, of spatial bodies between the nearest places of their axes; null where an
     /// end of one is what is nearest.
     pub gap_m: Option<f64>,
+    /// Pressure per penetration along lines, where it is not the largest of the scene.
+    #[serde(rename = "penalty_N_m3", skip_serializing_if = "Option::is_none")]
+    pub penalty_n_m3: Option<f64>,
 }
 
 /// A body in its last state.
@@ -150,6 +153,9 @@ pub struct PairState {
     /// Resultant force on the first body; of a motion its mean over the last step.
     #[serde(rename = "force_N")]
     pub force_n: [f64; 3],
+    /// Pressure per penetration along lines, where it is not the largest of the scene.
+    #[serde(rename = "penalty_N_m3", skip_serializing_if = "Option::is_none")]
+    pub penalty_n_m3: Option<f64>,
     /// Angle between the axes where they are nearest (spatial bodies).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle_deg: Option<f64>,

@@ -192,3 +192,96 @@ fn bars_end_to_end_shorten_by_their_share() {
         }
     }
 }
+
+/// A run by complementarity whose step lets vibrations grow fails with the step that works: with that step, and with half of it, it goes to
+/// its end and gains no energy; where bodies meet once the momentum exchanged is the same.
+#[test]
+fn a_failed_run_by_complementarity_names_the_step_that_works() {
+    let lcp = |loaded: &LoadedCase, set: Value| with(&with(loaded, json!({ "contact.method": "lcp" })), set);
+    let bars = lcp(&fieldtest("impulse_of_unequal_bars"), json!({}));
+    let finer = lcp(&bars, json!({ "bodies.0.elements": 32, "bodies.1.elements": 48 }));
+    let side = lcp(&case("side-to-side"), json!({ "contact.until": 0.26 }));
+    let pendulums = lcp(&case("pendulums"), json!({ "contact.until": 0.56 }));
+    let spaghetti = lcp(&case("flying-spaghetti"), json!({ "contact.until": 2.9 }));
+    let list = [
+        (&bars, vec![2e-4, 1e-3], true),
+        (&finer, vec![1e-3], true),
+        (&side, vec![1e-3, 2e-3], true),
+        (&pendulums, vec![5e-4, 4e-3], false),
+        (&spaghetti, vec![1e-3], false),
+    ];
+    for (loaded, steps, once) in list {
+        for step in steps {
+            let (failed, words) = attempt(&with(loaded, json!({ "contact.step": step })));
+            assert!(!failed.converged, "{step}: it runs");
+            let named = words.split("take a contact.step of ").nth(1).and_then(|rest| rest.split(' ').next());
+            let named: f64 = named.and_then(|n| n.parse().ok()).unwrap_or_else(|| panic!("{words}"));
+            assert!(named < step && named > 1e-6, "{words}");
+            let results =
+                [1.0, 0.5].map(|share| run(&with(loaded, json!({ "contact.step": share * named }))));
+            for result in &results {
+                assert!(
+                    result.energy_change.expect("energies") < 0.01,
+                    "{named}: {:?}",
+                    result.energy_change
+                );
+            }
+            let [coarse, fine] = results.map(|r| impulse(&r));
+            let size = fine[0].hypot(fine[1]);
+            let miss = (coarse[0] - fine[0]).hypot(coarse[1] - fine[1]);
+            assert!(!once || (size > 1.0 && miss < 0.05 * size), "{named}: {coarse:?} and {fine:?}");
+        }
+    }
+}
+
+/// Without a penalty of its own a pair takes `10 E/H` of its softer body: steel against rubber that of rubber, steel against steel that of
+/// steel, also beside each other.
+#[test]
+fn a_default_penalty_goes_by_the_softer_body() {
+    let body = |name: &str, x: f64, material: &str, velocity: f64| {
+        json!({ "name": name, "length": 1, "elements": 16, "section": "s", "material": material, "start": [x, 0],
+            "velocity": [velocity, 0] })
+    };
+    let scene = |bodies: Value| {
+        of(json!({
+            "title": "steel and rubber",
+            "materials": { "steel": { "E": 2.1e11, "nu": 0, "rho": 7850 }, "rubber": { "E": 1e7, "nu": 0, "rho": 1000 } },
+            "sections": { "s": { "shape": "rectangle", "height": 0.1, "width": 0.1 } },
+            "bodies": bodies,
+            "contact": { "method": "penalty", "until": 0.01, "step": 5e-5, "output": 6 }
+        }))
+    };
+    let two = scene(json!([body("steel", 0.0, "steel", 1.0), body("rubber", 1.001, "rubber", 0.0)]));
+    let more = json!([
+        body("steel", 0.0, "steel", 1.0),
+        body("rubber", 1.001, "rubber", 0.0),
+        body("anvil", 2.1, "steel", 0.0)
+    ]);
+    let three = Scene::new(&scene(more)).unwrap_or_else(|e| panic!("{e}"));
+    let [rubber, steel] = [1e7, 2.1e11].map(|e| 10.0 * e / 0.1);
+    assert_eq!([three.penalty(0, 1), three.penalty(1, 2), three.penalty(0, 2)], [rubber, rubber, steel]);
+    assert_eq!(three.largest_penalty(), steel);
+    // the steel bar slows down as a whole, m dv/dt = -Z v, Z = A sqrt(E rho) of rubber, from the contact at 1 ms on
+    let wave = 0.01 * (1e7_f64 * 1000.0).sqrt();
+    for step in [5e-5, 2.5e-5] {
+        let result = run(&with(&two, json!({ "contact.step": step })));
+        assert_eq!(result.penalty_n_m3, rubber);
+        let history = result.history.as_ref().expect("a history");
+        for (ends, mean) in history.time_s.windows(2).zip(&history.force_n[0][1..]).skip(1) {
+            let exact = wave * (-(wave / 78.5) * ((ends[0] + ends[1]) / 2.0 - 1e-3)).exp();
+            assert!(
+                (mean / exact - 1.0).abs() < 0.05,
+                "{step}: {:?}, {exact} at {ends:?}",
+                history.force_n[0]
+            );
+        }
+        assert!(result.solver.cut == 0 && result.solver.most_iterations < 12, "{:?}", result.solver);
+        // a tenth of the strain times the height, and what the mesh rings on it
+        let depth = wave / 0.01 / rubber;
+        assert!(
+            result.largest_penetration_m < 3.0 * depth,
+            "{:e} for {depth:e}",
+            result.largest_penetration_m
+        );
+    }
+}

@@ -232,7 +232,9 @@ impl<'a> Equilibrium<'a> {
         self.cost.gaps_s += start.elapsed().as_secs_f64();
         let components = self.bodies.components();
         let unknown = self.bodies.unknown();
-        let scale = self.bodies.scene.contact.point_penalty.iter().copied().fold(0.0, f64::max);
+        let scene = self.bodies.scene;
+        let penalty = scene.largest_penalty();
+        let scale = (0..scene.bodies.len()).map(|i| scene.point_penalty(i, penalty)).fold(0.0, f64::max);
         let active: Vec<&(Key, Spring)> = list
             .iter()
             .filter(|(k, s)| self.multiplier(*k) - scale * s.gap.value > -scale * TOUCHING * self.height)

@@ -34,6 +34,8 @@ const CLOSE: f64 = 1e-3;
 const MOST_PARTS: usize = 10_000;
 /// Remedy of a step whose equations are not solved.
 const STIFF: &str = "take a smaller contact.step, a smaller contact.penalty or more elements";
+/// Share of the stability limit `2/w` of the semi-implicit step that is advised: elements stiffen while they are pressed.
+const STABLE: f64 = 0.8;
 /// Pivots of a complementarity problem per contact.
 const PIVOTS: usize = 50;
 
@@ -135,11 +137,32 @@ impl<'a> Motion<'a> {
         })
     }
 
+    /// Steps from `self.t` by `dt` as [`Self::try_advance`]. The error of a semi-implicit step that the elements' own vibrations make
+    /// grow, whatever it runs into, names the step at which they do not: two digits below 0.8 of `2/w`.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn advance(&mut self, dt: f64, recorder: &mut Recorder<'_>) -> Result<()> {
+        self.try_advance(dt, recorder).map_err(|error| {
+            let fastest = self.bodies.fastest_vibration();
+            let explicit = self.bodies.scene.contact.stepping == Stepping::SemiImplicit;
+            let stable = digits_below(STABLE * 2.0 / fastest);
+            match error {
+                Error::Analysis { what, tried, .. } if explicit && stable < dt => Error::analysis(
+                    what,
+                    format!("{tried}; the elements vibrate with up to {fastest:.3e} rad/s"),
+                    format!("take a contact.step of {stable:e} s: semi-implicit steps beyond 2/w let vibrations grow"),
+                ),
+                error => error,
+            }
+        })
+    }
+
     /// Steps from `self.t` by `dt`, in parts where the approach is too fast or the step does not succeed.
     ///
     /// # Errors
     /// A step that fails at its smallest size, or a complementarity problem without solution.
-    pub fn advance(&mut self, dt: f64, recorder: &mut Recorder<'_>) -> Result<()> {
+    fn try_advance(&mut self, dt: f64, recorder: &mut Recorder<'_>) -> Result<()> {
         let mut parts = 1;
         if self.bodies.scene.contact.method != Enforcement::None {
             parts = self.search.prepare(self.bodies, &self.q, &self.v, dt);
@@ -572,6 +595,14 @@ impl<'a> Motion<'a> {
         }
         Ok(())
     }
+}
+
+/// The largest number of two digits that is not above a positive `x`.
+fn digits_below(x: f64) -> f64 {
+    let unit = 10.0_f64.powf(x.log10().floor() - 1.0);
+    // written and read, so that it is the number that the text shows
+    let text = format!("{:.1e}", (x / unit).floor() * unit);
+    text.parse().unwrap_or(x)
 }
 
 /// A contact of a complementarity problem.

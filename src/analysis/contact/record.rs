@@ -314,6 +314,7 @@ impl<'a> Recorder<'a> {
             gap_m: pair.gap(search.distance(bodies, pair.bodies, q)),
             penetration_m: pair.penetration,
             force_n: pair.force.into(),
+            penalty_n_m3: super::own_penalty(self.scene, pair.bodies),
             angle_deg: None,
         };
         self.pairs.iter().map(one).collect()
