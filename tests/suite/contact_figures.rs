@@ -135,7 +135,7 @@ fn near(gap: f64, method: &str, elements: usize) -> LoadedCase {
 const APART: [f64; 4] = [0.0, 1e-12, 1e-6, 1e-3];
 
 /// Cantilevers that just touch or are a little apart, the upper one pressed down: they share the load, so that both bend as under half
-/// of it, `P L^3/(6 E I)` (0.7 % more by the shear of a beam ten heights long), the upper one by half of the gap more. Both methods.
+/// of it, `P L^3/(6 E I)` (0.6 % more by the shear of a beam ten heights long that meets at its tip), the upper one by half of the gap more. Both methods.
 #[test]
 fn cantilevers_that_just_touch_share_a_load() {
     let bending = 20.0 / (6.0 * 2.07e7 * (0.1_f64.powi(4) / 12.0));
@@ -283,5 +283,38 @@ fn a_default_penalty_goes_by_the_softer_body() {
             "{:e} for {depth:e}",
             result.largest_penetration_m
         );
+    }
+}
+
+/// A body that contact alone holds has no stiffness while it is apart: it is refused with the gap, and goes when it is placed as the remedy
+/// says. The beam stands with a corner on a bed, or lies on one that bends.
+#[test]
+fn a_body_that_contact_alone_holds_is_placed_by_the_remedy() {
+    let leaning = |gap: f64| {
+        let side = 0.5_f64.sqrt() * 0.05;
+        json!({ "bodies.0.supports": [{ "at": 0, "kind": "clamped" }, { "at": 1, "kind": "clamped" }],
+            "bodies.1.length": 0.5, "bodies.1.elements": 4, "bodies.1.angle": "45 deg",
+            "bodies.1.start": [0.5 + side, 0.05 + side + gap],
+            "bodies.1.supports": [{ "at": 0, "kind": "pinned-x" }, { "at": 0.5, "kind": "pinned-x" }],
+            "bodies.1.loads": [{ "at": 0.25, "force": [0, -100] }] })
+    };
+    let lying = |gap: f64| {
+        json!({ "bodies.0.supports": [{ "at": 0, "kind": "pinned" }, { "at": 1, "kind": "pinned-y" }],
+            "bodies.1.start": [0, 0.1 + gap], "bodies.1.supports": [{ "at": 0.5, "kind": "pinned-x" }],
+            "bodies.1.loads": [{ "at": 0.5, "force": [0, -60] }] })
+    };
+    let scenes: [(&dyn Fn(f64) -> Value, f64); 2] = [(&leaning, -100.0), (&lying, -60.0)];
+    for (set, load) in scenes {
+        for method in ["active-set", "penalty"] {
+            for gap in APART.map(|g| 0.1 * g) {
+                let (result, words) = attempt(&with(&near(0.0, method, 8), set(gap)));
+                let found = (result.pairs[0].force_n[1] / load - 1.0).abs() < 1e-6;
+                let refused = words.contains(&format!("they start {gap:.1e} m apart"));
+                assert!(
+                    if result.converged { found } else { gap > 1e-12 && refused },
+                    "{method} {gap:e}: {words}"
+                );
+            }
+        }
     }
 }

@@ -64,7 +64,7 @@ fn body(bodies: &Bodies<'_>, index: usize) -> BodyCheck {
 }
 
 /// Gaps of all pairs of a small scene.
-fn gaps(bodies: &Bodies<'_>) -> Vec<PairCheck> {
+pub fn gaps(bodies: &Bodies<'_>) -> Vec<PairCheck> {
     let scene = bodies.scene;
     if scene.contact.method == Enforcement::None {
         return Vec::new();

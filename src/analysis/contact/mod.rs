@@ -270,9 +270,10 @@ fn resting(bodies: &Bodies<'_>, watch: Watch<'_>) -> Result<Outcome<Contact>> {
             "not-converged",
             format!(
                 "no equilibrium was found beyond {:.4} of the loads ({}); this report holds the last state found. Support \
-                 every body, raise contact.load_steps, or lower contact.penalty",
+                 every body, raise contact.load_steps, or lower contact.penalty{}",
                 state.factor,
-                why.replace('\n', ";")
+                why.replace('\n', ";"),
+                if state.factor == 0.0 { apart(bodies) } else { String::new() }
             ),
         ));
     }
@@ -302,6 +303,17 @@ fn resting(bodies: &Bodies<'_>, watch: Watch<'_>) -> Result<Outcome<Contact>> {
         cost: state.cost,
     };
     Ok(Outcome { results, model, diagnostics })
+}
+
+/// What to do about the nearest bodies that do not touch as they are placed.
+fn apart(bodies: &Bodies<'_>) -> String {
+    let list = check::gaps(bodies).into_iter().filter_map(|check| Some((check.gap_m?, check.pair)));
+    match list.filter(|(gap, _)| *gap > 0.0).min_by(|a, b| a.0.total_cmp(&b.0)) {
+        Some((gap, [a, b])) => format!(
+            "; if contact alone is to hold `{a}` or `{b}`, place them so that they touch: they start {gap:.1e} m apart"
+        ),
+        None => String::new(),
+    }
 }
 
 /// Penalty of a pair that has another one than the largest of the scene.

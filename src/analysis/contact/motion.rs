@@ -147,8 +147,10 @@ impl<'a> Motion<'a> {
             let fastest = self.bodies.fastest_vibration();
             let explicit = self.bodies.scene.contact.stepping == Stepping::SemiImplicit;
             let stable = digits_below(STABLE * 2.0 / fastest);
+            // in the first step nothing has grown yet
+            let grows = explicit && stable < dt && self.stats.steps > 0;
             match error {
-                Error::Analysis { what, tried, .. } if explicit && stable < dt => Error::analysis(
+                Error::Analysis { what, tried, .. } if grows => Error::analysis(
                     what,
                     format!("{tried}; the elements vibrate with up to {fastest:.3e} rad/s"),
                     format!("take a contact.step of {stable:e} s: semi-implicit steps beyond 2/w let vibrations grow"),
