@@ -176,7 +176,7 @@ pub struct Contact {
     /// Enforcement, default penalty.
     #[serde(default)]
     pub method: ContactMethod,
-    /// Pressure per penetration along lines, default 10 E/H (H the smallest height).
+    /// Pressure per penetration along lines, default for each pair of bodies 10 E/H, E the softer modulus and H the smaller height.
     pub penalty: Option<PenaltyModulus>,
     /// Force per penetration at corners, default the penalty times height and width of the body.
     pub point_penalty: Option<Stiffness>,

@@ -11,7 +11,7 @@ use crate::linalg::lu::Entries;
 use crate::linalg::sparse::Sparse;
 use crate::model::scene::{Action, Beam, Body, Face, Hold, Scene};
 use faer::sparse::Triplet;
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 
 /// Gauss points of a pressure on a face: the integrand is of degree three.
 const PRESSURE_POINTS: [(f64, f64); 2] = [(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)];
@@ -347,6 +347,26 @@ impl<'a> Bodies<'a> {
                 }
             }
         }
+    }
+
+    /// Bound of the angular frequencies of planar bodies as they are placed, rad/s: the largest of an element alone,
+    /// `K_e x = w^2 M_e x`, which no assembly of such elements exceeds (Irons and Treharne 1971).
+    pub fn fastest_vibration(&self) -> f64 {
+        let of_part = |part: &Part<'_>| {
+            let Kernel::Planar(element) = &part.kernel else { return 0.0 };
+            let k = element.tangent(&self.reference[part.first..part.first + planar::SIZE]);
+            let mass = element.mass();
+            let n = planar::PER_NODE;
+            let m = DMatrix::from_fn(planar::SIZE, planar::SIZE, |i, j| {
+                if i % n == j % n { mass[i / n][j / n][i % n / 2] } else { 0.0 }
+            });
+            let Some(factor) = m.cholesky() else { return 0.0 };
+            let k = DMatrix::from_fn(planar::SIZE, planar::SIZE, |i, j| k[i][j]);
+            let Some(half) = factor.l().solve_lower_triangular(&k) else { return 0.0 };
+            let Some(whole) = factor.l().solve_lower_triangular(&half.transpose()) else { return 0.0 };
+            whole.symmetric_eigenvalues().max().max(0.0).sqrt()
+        };
+        self.parts.iter().map(of_part).fold(0.0, f64::max)
     }
 
     /// Strain energy of planar bodies, J.

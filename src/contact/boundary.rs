@@ -14,6 +14,8 @@ use nalgebra::Vector3;
 const ROOT_STEPS: usize = 80;
 /// Distance of a point from the normal at an end of a curve, relative to its gap, within which that end is its foot.
 const FOOT: f64 = 1e-9;
+/// Relative rounding of a distance, generously.
+const ROUNDED: f64 = 1e-9;
 /// Cosine between the normals of two curves that face each other, at most.
 pub const FACING: f64 = -0.2;
 /// The same, relative to the curve.
@@ -196,12 +198,23 @@ impl Reach {
     pub const ANY: Self = Self { normal: None, depth: f64::INFINITY };
 }
 
+/// Whether all of a curve is farther than `distance` from a point, by the circle about its middle that holds its Bezier points.
+fn farther(points: &[Vector3<f64>; 3], x: &Vector3<f64>, distance: f64) -> bool {
+    let sag = (points[1] * 2.0 - points[0] - points[2]) / 2.0;
+    let [a, b] = [0, 2].map(|k| (points[k] - points[1]).norm_squared());
+    let radius = a.max(b).max(sag.norm_squared()).sqrt();
+    (x - points[1]).norm() > (radius + distance) * (1.0 + ROUNDED)
+}
+
 /// Gap of the point `x` to the nearest of some curves of one body; `None` when there is none that counts.
 pub fn gap(faces: &[Face], near: &[usize], q: &[f64], x: &Vector3<f64>, reach: Reach) -> Option<Hit> {
     let mut best: Option<(f64, Hit)> = None;
     for &index in near {
         let face = &faces[index];
         let points = face.points(q);
+        if best.is_some_and(|(d, _)| farther(&points, x, d)) {
+            continue;
+        }
         let zeta = nearest(&points, x);
         let from = x - on_curve(&points, zeta);
         let distance = from.norm();

@@ -191,8 +191,3 @@ pub fn along(vectors: &[(usize, f64)], direction: &Vector3<f64>, components: usi
 pub fn product(gradient: &[(usize, f64)], x: &[f64]) -> f64 {
     gradient.iter().map(|(k, v)| v * x[*k]).sum()
 }
-
-/// The gradient as a dense vector on the coordinates of a block (which come in the same order).
-pub fn values(gradient: &[(usize, f64)]) -> DVector<f64> {
-    DVector::from_iterator(gradient.len(), gradient.iter().map(|(_, v)| *v))
-}

@@ -1,8 +1,10 @@
 //! Penalty contact: every penetrating probe is a spring, `V = w g^2/2`, with analytic force and tangent; and its discrete
 //! gradient between two states. Source: docs/theory.md section 13.
 
-use super::gap::{Gap, along, product, values};
+use super::gap::{Gap, along, product};
 use crate::linalg::lu::Entries;
+use nalgebra::{DMatrix, Vector3};
+use std::collections::BTreeMap;
 
 /// What meets what.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -61,6 +63,55 @@ impl Spring {
     }
 }
 
+/// Derivatives of contact forces, summed by the coordinates that they stand between. Many points of a line of contact lie between the
+/// same two curves: summed one by one, they would be hundreds of times the entries of the elements.
+///
+/// Blocks stay when they are cleared, as zeros, so that a system keeps its pattern while points close and open.
+#[derive(Default)]
+pub struct Sums {
+    /// By the coordinates of rows and columns.
+    blocks: BTreeMap<[Vec<usize>; 2], DMatrix<f64>>,
+}
+
+impl Sums {
+    /// The block between some coordinates.
+    fn block(&mut self, rows: Vec<usize>, columns: Vec<usize>) -> &mut DMatrix<f64> {
+        let size = [rows.len(), columns.len()];
+        self.blocks.entry([rows, columns]).or_insert_with(|| DMatrix::zeros(size[0], size[1]))
+    }
+
+    /// Makes all blocks zero.
+    pub fn clear(&mut self) {
+        self.blocks.values_mut().for_each(|block| block.fill(0.0));
+    }
+
+    /// Adds all blocks to the entries of the unknowns.
+    pub fn add_to(&self, unknown: &[Option<usize>], entries: &mut Entries) {
+        for ([rows, columns], matrix) in &self.blocks {
+            for (j, &column) in columns.iter().enumerate() {
+                let Some(column) = unknown[column] else { continue };
+                for (i, &row) in rows.iter().enumerate() {
+                    if let Some(row) = unknown[row] {
+                        entries.add(row, column, matrix[(i, j)]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The coordinates of a gradient.
+fn coordinates(gradient: &[(usize, f64)]) -> Vec<usize> {
+    gradient.iter().map(|(k, _)| *k).collect()
+}
+
+/// `block += a b^T`.
+fn add_product(block: &mut DMatrix<f64>, a: &[f64], b: &[(usize, f64)]) {
+    for (mut column, (_, b)) in block.column_iter_mut().zip(b) {
+        column.iter_mut().zip(a).for_each(|(sum, a)| *sum += a * b);
+    }
+}
+
 /// Adds `dV/dq` to `force` and `d^2 V/dq^2` to the entries of the unknowns; returns V, J. A spring at a gap of zero has its
 /// stiffness already.
 pub fn add(
@@ -69,26 +120,26 @@ pub fn add(
     components: usize,
     unknown: &[Option<usize>],
     force: &mut [f64],
-    mut entries: Option<&mut Entries>,
+    entries: Option<&mut Entries>,
 ) -> f64 {
     let mut energy = 0.0;
+    let mut sums = Sums::default();
     for spring in springs {
         let (g, w) = (spring.gap.value, spring.weight);
         energy += spring.energy();
         let gradient = spring.gap.gradient(components);
         gradient.iter().for_each(|(k, value)| force[*k] += w * g * value);
-        let Some(entries) = entries.as_deref_mut() else { continue };
-        let block = spring.gap.curvature(q, components);
-        let d = values(&gradient);
-        let matrix = (&d * d.transpose() + block.matrix * g) * w;
-        for (i, &row) in block.coordinates.iter().enumerate() {
-            let Some(row) = unknown[row] else { continue };
-            for (j, &column) in block.coordinates.iter().enumerate() {
-                if let Some(column) = unknown[column] {
-                    entries.add(row, column, matrix[(i, j)]);
-                }
-            }
+        if entries.is_none() {
+            continue;
         }
+        let curved = spring.gap.curvature(q, components);
+        let sum = sums.block(coordinates(&gradient), curved.coordinates);
+        let scaled: Vec<f64> = gradient.iter().map(|(_, value)| w * value).collect();
+        add_product(sum, &scaled, &gradient);
+        *sum += curved.matrix * (w * g);
+    }
+    if let Some(entries) = entries {
+        sums.add_to(unknown, entries);
     }
     energy
 }
@@ -106,88 +157,100 @@ pub struct Stroke {
     pub gradient: Vec<(usize, f64)>,
 }
 
-/// Adds the force whose work between the states is the change of the energy, and with `entries` its derivative by the second
-/// state (up to the change of the weights in a correction of third order). Returns the energy at the second state, J.
+/// The force of a stroke, the one whose work between the states is the change of the energy.
+#[derive(Debug, Clone, Copy)]
+pub struct Average {
+    /// phi, N: the secant of the energy over the gap, not positive.
+    phi: f64,
+    /// `d phi/d g_1`, N/m.
+    slope: f64,
+    /// `n + s d/|d|^2`.
+    direction: Vector3<f64>,
+    /// d, m: the change of `x_s - x_m`.
+    moved: Vector3<f64>,
+    /// `s/|d|^2`, m^-1; s is what the gradient halfway misses of the change of the gap.
+    share: f64,
+}
+
+impl Average {
+    /// On the slave, N; on the master it acts the other way.
+    pub fn force(&self) -> Vector3<f64> {
+        -self.direction * self.phi
+    }
+}
+
+/// Least `|d|^2` of a stroke that turns its force, m^2.
+const MOVED: f64 = 1e-30;
+
+impl Stroke {
+    /// Compression energy at the second state, J.
+    pub fn energy(&self) -> f64 {
+        0.5 * self.middle.weight * self.after.min(0.0).powi(2)
+    }
+
+    /// Its force between the states `q0` and `q1`: `-phi (n + s d/|d|^2)`, `phi = w (g1^-^2 - g0^-^2)/(2 (g1 - g0))`.
+    pub fn average(&self, q0: &[f64], q1: &[f64], components: usize) -> Average {
+        let (w, gap) = (self.middle.weight, &self.middle.gap);
+        let [low, high] = [self.before, self.after].map(|g| g.min(0.0));
+        let change = self.after - self.before;
+        let apart = change.abs() > 1e-9 * (self.after.abs() + self.before.abs());
+        let phi = if apart { 0.5 * w * (high - low) * (high + low) / change } else { 0.5 * w * (high + low) };
+        let slope = if apart { (w * high - phi) / change } else { 0.5 * w * f64::from(self.after < 0.0) };
+        let mut moved = Vector3::zeros();
+        for (first, weight) in &gap.difference() {
+            for c in 0..components {
+                moved[c] += weight * (q1[first + c] - q0[first + c]);
+            }
+        }
+        let squared = moved.norm_squared();
+        let miss = change - gap.pull().dot(&moved);
+        let share = if squared > MOVED { miss / squared } else { 0.0 };
+        Average { phi, slope, direction: gap.pull() + moved * share, moved, share }
+    }
+}
+
+/// Adds the force whose work between the states is the change of the energy, and its derivative by the second state (up to the
+/// change of the weights in a correction of third order) to `tangent`.
 ///
-/// The force is `phi D`, `phi = w (g0^- + g1^-)/2 (..)`, the secant of the energy over the gap, and `D = (S - M)(x)(n + s d/|d|^2)`
-/// with d the change of `x_s - x_m` and s what the gradient halfway misses of the change of the gap.
+/// The force is `phi D`, `D = (S - M)(x)(n + s d/|d|^2)`, as in [`Stroke::average`].
 pub fn add_average(
     strokes: &[Stroke],
     q: [&[f64]; 3],
     components: usize,
-    unknown: &[Option<usize>],
     force: &mut [f64],
-    mut entries: Option<&mut Entries>,
-) -> f64 {
+    tangent: &mut Sums,
+) {
     let [q0, q1, middle] = q;
-    let mut energy = 0.0;
     for stroke in strokes {
-        let (w, gap) = (stroke.middle.weight, &stroke.middle.gap);
-        let [low, high] = [stroke.before, stroke.after].map(|g| g.min(0.0));
-        energy += 0.5 * w * high * high;
-        let change = stroke.after - stroke.before;
-        let apart = change.abs() > 1e-9 * (stroke.after.abs() + stroke.before.abs());
-        let phi = if apart { 0.5 * w * (high - low) * (high + low) / change } else { 0.5 * w * (high + low) };
+        let gap = &stroke.middle.gap;
+        let Average { phi, slope, direction, moved, share } = stroke.average(q0, q1, components);
         let weights = gap.difference();
-        let mut d = nalgebra::Vector3::zeros();
-        for (first, weight) in &weights {
-            for c in 0..components {
-                d[c] += weight * (q1[first + c] - q0[first + c]);
-            }
-        }
-        let squared = d.norm_squared();
-        let miss = change - gap.pull().dot(&d);
-        let share = if squared > 1e-30 { miss / squared } else { 0.0 };
-        let direction = gap.pull() + d * share;
         let gradient = along(&weights, &direction, components);
         gradient.iter().for_each(|(k, value)| force[*k] += phi * value);
-        let Some(entries) = entries.as_deref_mut() else { continue };
-        // d phi/dq1
-        let slope = if apart { (w * high - phi) / change } else { 0.5 * w * f64::from(stroke.after < 0.0) };
-        let mut add = |row: usize, column: usize, value: f64| {
-            if let (Some(row), Some(column)) = (unknown[row], unknown[column]) {
-                entries.add(row, column, value);
-            }
-        };
-        for (row, value) in &gradient {
-            for (column, by) in &stroke.gradient {
-                add(*row, *column, slope * value * by);
-            }
-        }
-        if phi == 0.0 {
-            continue;
-        }
-        let block = gap.curvature(middle, components);
-        for (i, &row) in block.coordinates.iter().enumerate() {
-            for (j, &column) in block.coordinates.iter().enumerate() {
-                add(row, column, 0.5 * phi * block.matrix[(i, j)]);
-            }
-        }
-        if squared > 1e-30 {
-            // share d: its direction turns with d, its size with both gaps
-            let turned = along(&weights, &d, components);
-            let plain = along(&weights, &gap.pull(), components);
-            for (row, value) in &turned {
-                for (column, by) in &stroke.gradient {
-                    add(*row, *column, phi * value * by / squared);
-                }
-                for (column, by) in &plain {
-                    add(*row, *column, -phi * value * by / squared);
-                }
-                for (column, by) in &turned {
-                    add(*row, *column, -2.0 * phi * share * value * by / squared);
-                }
-            }
-            for (first, a) in &weights {
-                for (second, b) in &weights {
-                    for c in 0..components {
-                        add(first + c, second + c, phi * share * a * b);
-                    }
+        // share d: its direction turns with d, its size with both gaps
+        let squared = moved.norm_squared();
+        let turning = if squared > MOVED { phi / squared } else { 0.0 };
+        let turned = along(&weights, &moved, components);
+        let by_gap: Vec<f64> = gradient
+            .iter()
+            .zip(&turned)
+            .map(|((_, value), (_, turn))| slope * value + turning * turn)
+            .collect();
+        let rows = coordinates(&gradient);
+        add_product(tangent.block(rows.clone(), coordinates(&stroke.gradient)), &by_gap, &stroke.gradient);
+        let sum = tangent.block(rows.clone(), rows);
+        let curved = gap.curvature(middle, components).matrix;
+        sum.zip_apply(&curved, |sum, value| *sum += 0.5 * phi * value);
+        let by_place: Vec<f64> = turned.iter().map(|(_, turn)| -turning * turn).collect();
+        add_product(sum, &by_place, &along(&weights, &(gap.pull() + moved * (2.0 * share)), components));
+        for (i, (_, a)) in weights.iter().enumerate() {
+            for (j, (_, b)) in weights.iter().enumerate() {
+                for c in 0..components {
+                    sum[(i * components + c, j * components + c)] += phi * share * a * b;
                 }
             }
         }
     }
-    energy
 }
 
 /// `dg/dt` at a velocity.

@@ -163,7 +163,7 @@ impl Search {
                     list.push(Probe {
                         slave: (index, 1.0),
                         target,
-                        weight: scene.contact.point_penalty[face.body] * share,
+                        weight: scene.point_penalty(face.body, scene.penalty(face.body, target)) * share,
                         kind: Kind::Corner,
                         onto: Onto::Unknown,
                     });
@@ -188,7 +188,8 @@ impl Search {
         bounds.sort_by(f64::total_cmp);
         // in self-contact every place is seen from both sides
         let share = if face.body == target { 0.5 } else { 1.0 };
-        let per_length = settings.penalty * scene.bodies[face.body].width * share * face.length / 2.0;
+        let penalty = scene.penalty(face.body, target);
+        let per_length = penalty * scene.bodies[face.body].width * share * face.length / 2.0;
         for pair in bounds.windows(2).filter(|pair| pair[1] > pair[0]) {
             let (middle, half) = ((pair[0] + pair[1]) / 2.0, (pair[1] - pair[0]) / 2.0);
             for (x, w) in GAUSS {
@@ -448,18 +449,28 @@ impl Search {
         }
     }
 
-    /// All springs with a gap below `limit` (m) in the state `q`.
-    ///
-    /// Each with the key of its probe.
+    /// All springs with a gap below `limit` (m) in the state `q`, each with the key of its probe. Nodes touch only what one of their own
+    /// faces faces: a constraint of a corner on the face beside another corner would hold it back without any obstacle.
     pub fn springs(&self, bodies: &Bodies<'_>, q: &[f64], limit: f64) -> Vec<(Key, Spring)> {
         if !self.any {
             return Vec::new();
         }
         let found = self.probes.iter().filter_map(|probe| {
             let hit = self.gap(bodies, probe, q)?;
-            (hit.gap <= limit && !hit.at_corner).then(|| (probe.key(), self.spring(probe, &hit)))
+            let counts = !at_nodes(bodies.scene) || self.faces_it(probe, &hit, q);
+            (hit.gap <= limit && !hit.at_corner && counts).then(|| (probe.key(), self.spring(probe, &hit)))
         });
         found.collect()
+    }
+
+    /// Whether a face that a probe lies on faces what it has met.
+    fn faces_it(&self, probe: &Probe, hit: &Hit, q: &[f64]) -> bool {
+        let face = &self.faces[probe.slave.0];
+        let own = normal(&face.points(q), probe.slave.1);
+        let next = normal(&self.faces[face.next].points(q), -1.0);
+        let against = own.dot(&hit.normal);
+        let least = if probe.kind == Kind::Corner { against.min(next.dot(&hit.normal)) } else { against };
+        least <= FACING
     }
 
     fn gap_at(

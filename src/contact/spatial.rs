@@ -182,7 +182,7 @@ impl Search {
                 let Some((gap, s_at, m_at)) = self.project(bodies, pair, start, free, q) else { continue };
                 if gap.value <= limit {
                     let positions = [s.position(s_at), m.position(m_at)];
-                    let weight = scene.contact.point_penalty[slave];
+                    let weight = scene.point_penalty(slave, scene.penalty(slave, master));
                     list.push((
                         (number, 0, master),
                         Spring { weight, bodies: pair, positions, model: Model::PointToPoint, gap },
@@ -190,7 +190,7 @@ impl Search {
                 }
                 continue;
             }
-            let per_length = scene.contact.penalty * scene.bodies[slave].width;
+            let per_length = scene.penalty(slave, master) * scene.bodies[slave].width;
             let count = scene.contact.segments;
             for (&element, near) in elements {
                 for segment in 0..count {

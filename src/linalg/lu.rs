@@ -21,6 +21,16 @@ impl Entries {
         self.values.clear();
     }
 
+    /// Number of values added.
+    pub fn len(&self) -> usize {
+        self.values.len()
+    }
+
+    /// True without any.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
     /// Adds a value.
     pub fn add(&mut self, row: usize, column: usize, value: f64) {
         self.places.push(Pair::new(row, column));
@@ -48,8 +58,8 @@ struct Pattern {
 #[derive(Default)]
 pub struct Solver {
     pattern: Option<Pattern>,
-    /// Factorisations done.
-    pub factorisations: usize,
+    /// Patterns of places that were ordered.
+    pub orderings: usize,
 }
 
 fn failed(tried: String) -> Error {
@@ -71,14 +81,16 @@ impl Solver {
         }
         let pattern = match self.pattern.take() {
             Some(pattern) if pattern.places == a.places && pattern.symbolic.nrows() == n => pattern,
-            _ => Pattern::new(n, a)?,
+            _ => {
+                self.orderings += 1;
+                Pattern::new(n, a)?
+            }
         };
         let pattern = self.pattern.insert(pattern);
         let matrix = SparseColMat::new_from_argsort(pattern.symbolic.clone(), &pattern.order, &a.values)
             .map_err(|e| failed(format!("sum of {} entries: {e:?}", a.values.len())))?;
         let lu = Lu::try_new_with_symbolic(pattern.lu.clone(), matrix.as_ref())
             .map_err(|e| failed(format!("factorisation of {n} unknowns: {e:?}")))?;
-        self.factorisations += 1;
         let mut x = Mat::from_fn(n, 1, |i, _| b[i]);
         lu.solve_in_place(&mut x);
         if x.col(0).iter().any(|v| !v.is_finite()) {

@@ -2,6 +2,7 @@
 
 use super::Model;
 use nalgebra::{Matrix3, Vector3};
+use std::collections::BTreeMap;
 
 /// Stiffness and inertia per length of a planar beam.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -182,10 +183,10 @@ impl Stepping {
 pub struct ContactSettings {
     /// Enforcement.
     pub method: Enforcement,
-    /// Pressure per penetration along lines, N/m^3.
-    pub penalty: f64,
-    /// Force per penetration at corners, by body, N/m.
-    pub point_penalty: Vec<f64>,
+    /// Pressure per penetration along lines as written, N/m^3; `None` for that of [`Scene::penalty`].
+    pub penalty: Option<f64>,
+    /// Force per penetration at corners as written, N/m; `None` for that of [`Scene::point_penalty`].
+    pub point_penalty: Option<f64>,
     /// Integration segments per slave element.
     pub segments: usize,
     /// Whether they are cut where master elements end.
@@ -230,9 +231,46 @@ pub struct Unused {
     pub reason: &'static str,
 }
 
+/// `10 E/H` of the softer modulus and the smaller height, N/m^3.
+fn default_penalty(a: &Body, b: &Body) -> f64 {
+    10.0 * a.modulus.min(b.modulus) / a.height.min(b.height)
+}
+
 impl Scene {
     /// True when all bodies are planar.
     pub fn is_planar(&self) -> bool {
         self.bodies.iter().all(|b| matches!(b.beam, Beam::Planar(_)))
+    }
+
+    /// Pressure per penetration along lines between two bodies, N/m^3: as written, or `10 E/H` with the modulus of the softer one (what
+    /// is pressed together yields as it does) and the smaller height.
+    pub fn penalty(&self, a: usize, b: usize) -> f64 {
+        self.contact.penalty.unwrap_or_else(|| default_penalty(&self.bodies[a], &self.bodies[b]))
+    }
+
+    /// Largest [`Self::penalty`] of two bodies that may meet, N/m^3.
+    pub fn largest_penalty(&self) -> f64 {
+        // bodies alike meet others alike: one of each kind, and a second one if there is one
+        let kind = |body: &Body| (body.modulus.to_bits(), body.height.to_bits());
+        let mut kinds: BTreeMap<(u64, u64), Vec<&Body>> = BTreeMap::new();
+        for body in &self.bodies {
+            let list = kinds.entry(kind(body)).or_default();
+            list.truncate(1);
+            list.push(body);
+        }
+        let list: Vec<&Body> = kinds.into_values().flatten().collect();
+        let alone = self.contact.with_itself || list.len() == 1;
+        let pairs = list
+            .iter()
+            .enumerate()
+            .flat_map(|(k, a)| list[k + usize::from(!alone)..].iter().map(move |b| (a, b)));
+        let largest = pairs.map(|(a, b)| default_penalty(a, b)).fold(0.0, f64::max);
+        self.contact.penalty.unwrap_or(largest)
+    }
+
+    /// Force per penetration at a corner of a body, N/m: as written, or a penalty times its height and width.
+    pub fn point_penalty(&self, body: usize, penalty: f64) -> f64 {
+        let Body { height, width, .. } = self.bodies[body];
+        self.contact.point_penalty.unwrap_or(penalty * height * width)
     }
 }

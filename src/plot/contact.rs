@@ -140,21 +140,26 @@ fn gap(report: &Report<Contact>, h: &ContactHistory) -> Result<String> {
     };
     let gaps =
         |i: usize| h.time_s.iter().zip(&h.gap_m[i]).map(|(t, gap)| (*t, gap.unwrap_or(f64::NAN))).collect();
-    let touches = |i: usize, value: usize| {
-        let steps = h.touches[i].iter().map(|step| (step[0], step[value]));
+    let touches = |i: usize| {
+        let steps = h.touches[i].iter().map(|step| (step[0], step[1]));
         [(0.0, 0.0)]
             .into_iter()
             .chain(steps)
             .chain(h.touches[i].last().is_none_or(|step| step[0] < end).then_some((end, 0.0)))
             .collect()
     };
+    // a mean over each interval
+    let forces = |i: usize| {
+        let intervals = h.time_s.windows(2).zip(h.force_n[i].iter().skip(1));
+        intervals.flat_map(|(ends, force)| [(ends[0], *force), (ends[1], *force)]).collect()
+    };
     let mut list = Vec::new();
     if !shown.is_empty() {
         list.push(panel(("Smallest gap", "m"), &gaps));
     }
     if !results.events.is_empty() {
-        list.push(panel(("Penetration", "m"), &|i| touches(i, 1)));
-        list.push(panel(("Contact force", "N"), &|i| touches(i, 2)));
+        list.push(panel(("Penetration", "m"), &touches));
+        list.push(panel(("Contact force", "N"), &forces));
     }
     let left = h.pairs.len().saturating_sub(shown.len());
     let more = if left > 0 { format!(" {left} more pairs are not drawn.") } else { String::new() };
@@ -162,7 +167,7 @@ fn gap(report: &Report<Contact>, h: &ContactHistory) -> Result<String> {
         0 => "Nothing came near: no gap was measured.".to_owned(),
         1 => format!("No contact. A gap is measured only where something is near.{more}"),
         _ => format!(
-            "Tinted: contact. Gaps at {} instants (contact.output), penetration and force at every step. {}{more}",
+            "Tinted: contact. Gaps at {} instants (contact.output), forces as means between them, penetration at every step. {}{more}",
             h.time_s.len(),
             contacts(results)
         ),

@@ -9,7 +9,7 @@ pub struct Contact {
     pub method: &'static str,
     /// Of a motion "energy-consistent" or "semi-implicit-euler"; null in equilibrium.
     pub integrator: Option<&'static str>,
-    /// Pressure per penetration along lines.
+    /// Pressure per penetration along lines, of all pairs of bodies the largest.
     #[serde(rename = "penalty_N_m3")]
     pub penalty_n_m3: f64,
     /// Whether the whole load or the whole time was reached.
@@ -61,7 +61,7 @@ pub struct SceneCheck {
     pub pairs: Vec<PairCheck>,
     /// As in [`Contact`].
     pub method: &'static str,
-    /// Pressure per penetration along lines.
+    /// Pressure per penetration along lines, of all pairs of bodies the largest.
     #[serde(rename = "penalty_N_m3")]
     pub penalty_n_m3: f64,
     /// Of a motion, as in [`Contact`].
@@ -97,7 +97,7 @@ pub struct BodyCheck {
     pub end_m: [f64; 3],
     /// Velocity at the start.
     pub velocity_m_s: [f64; 3],
-    /// Force per penetration at its corners, or at a point contact.
+    /// Force per penetration at its corners, or at a point contact, with the largest penalty of the scene.
     pub point_penalty_n_m: f64,
     /// Number of its supports.
     pub supports: usize,
@@ -113,6 +113,9 @@ pub struct PairCheck {
     /// Smallest gap: at nodes of either boundary, of spatial bodies between the nearest places of their axes; null where an
     /// end of one is what is nearest.
     pub gap_m: Option<f64>,
+    /// Pressure per penetration along lines, where it is not the largest of the scene.
+    #[serde(rename = "penalty_N_m3", skip_serializing_if = "Option::is_none")]
+    pub penalty_n_m3: Option<f64>,
 }
 
 /// A body in its last state.
@@ -147,9 +150,12 @@ pub struct PairState {
     pub gap_m: Option<f64>,
     /// Largest penetration where contact is enforced.
     pub penetration_m: f64,
-    /// Resultant force on the first body.
+    /// Resultant force on the first body; of a motion its mean over the last step.
     #[serde(rename = "force_N")]
     pub force_n: [f64; 3],
+    /// Pressure per penetration along lines, where it is not the largest of the scene.
+    #[serde(rename = "penalty_N_m3", skip_serializing_if = "Option::is_none")]
+    pub penalty_n_m3: Option<f64>,
     /// Angle between the axes where they are nearest (spatial bodies).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle_deg: Option<f64>,
@@ -172,10 +178,11 @@ pub struct ContactEvent {
     pub positions_m: [f64; 2],
     /// Smallest gap, the largest penetration with a minus.
     pub gap_m: f64,
-    /// Largest resultant force.
+    /// Largest resultant force, of the means over steps.
     #[serde(rename = "force_N")]
     pub force_n: f64,
-    /// Impulse on the first body.
+    /// Impulse on the first body: `sum F dt`, F the force that acts over the step in the integrator. All events of a body give the
+    /// change of its momentum that contact makes.
     #[serde(rename = "impulse_N_s")]
     pub impulse_n_s: [f64; 2],
 }
@@ -199,6 +206,12 @@ pub struct ContactSolver {
     pub searches: usize,
     /// Gaps measured.
     pub gaps: usize,
+    /// Entries of all systems of equations; of the elements and of contact.
+    #[serde(skip)]
+    pub entries: usize,
+    /// Patterns of entries that had to be ordered; systems of the same pattern share one.
+    #[serde(skip)]
+    pub orderings: usize,
 }
 
 /// A motion over time; one row per instant.
@@ -210,13 +223,13 @@ pub struct ContactHistory {
     pub pairs: Vec<[String; 2]>,
     /// Smallest gap of each pair.
     pub gap_m: Vec<Vec<Option<f64>>>,
-    /// Size of the resultant force of each pair.
+    /// Size of the resultant force of each pair, as a mean since the row before: `|sum F dt|/(t_k - t_(k-1))` over the steps between, F
+    /// the force that acts over the step. Zero in the first row.
     #[serde(rename = "force_N")]
     pub force_n: Vec<Vec<f64>>,
-    /// Of each pair, for drawing: time, largest penetration and force of every step in contact, with zeros where it begins and
-    /// ends.
+    /// Of each pair, for drawing: time and largest penetration of every step in contact, with zeros where it begins and ends.
     #[serde(skip)]
-    pub touches: Vec<Vec<[f64; 3]>>,
+    pub touches: Vec<Vec<[f64; 2]>>,
     /// Ends of the axes: `[body][time]` of `[start x, start y, end x, end y]`.
     pub ends_m: Vec<Vec<[f64; 4]>>,
     /// Mean velocity (momentum over mass) of each body.

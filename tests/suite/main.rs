@@ -6,6 +6,7 @@ mod choice;
 mod cli;
 mod common;
 mod contact;
+mod contact_figures;
 mod contact_input;
 mod contact_segments;
 mod convergence;

@@ -21,7 +21,7 @@ pub fn check(scene: &Scene) -> Result<Outcome<SceneCheck>> {
         unconstrained_degrees_of_freedom: bodies.len(),
         pairs: gaps(&bodies),
         method: settings.method.name(),
-        penalty_n_m3: settings.penalty,
+        penalty_n_m3: scene.largest_penalty(),
         integrator: motion.map(|_| settings.stepping.name()),
         until_s: settings.until,
         step_s: motion.map(|(_, (_, step))| step),
@@ -57,14 +57,14 @@ fn body(bodies: &Bodies<'_>, index: usize) -> BodyCheck {
         start_m: body.start.into(),
         end_m: end.into(),
         velocity_m_s: body.velocity.into(),
-        point_penalty_n_m: bodies.scene.contact.point_penalty[index],
+        point_penalty_n_m: bodies.scene.point_penalty(index, bodies.scene.largest_penalty()),
         supports: body.supports.len(),
         loads: body.loads.len(),
     }
 }
 
 /// Gaps of all pairs of a small scene.
-fn gaps(bodies: &Bodies<'_>) -> Vec<PairCheck> {
+pub fn gaps(bodies: &Bodies<'_>) -> Vec<PairCheck> {
     let scene = bodies.scene;
     if scene.contact.method == Enforcement::None {
         return Vec::new();
@@ -73,6 +73,7 @@ fn gaps(bodies: &Bodies<'_>) -> Vec<PairCheck> {
     let one = |(a, b): (usize, usize)| PairCheck {
         pair: [a, b].map(|i| scene.bodies[i].name.clone()),
         gap_m: detector.distance(bodies, (a, b), bodies.reference()),
+        penalty_n_m3: super::own_penalty(scene, (a, b)),
     };
     super::pairs(scene).into_iter().filter(|(a, b)| a != b).map(one).collect()
 }

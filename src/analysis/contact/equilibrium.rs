@@ -26,6 +26,11 @@ const HALVINGS: i32 = 10;
 const STRIDE: f64 = 0.5;
 /// Gap over the height up to which a spring has its stiffness although it is not compressed.
 const TOUCHING: f64 = 1e-12;
+/// Correction over the height up to which two states that take turns are one equilibrium: a node that rests on the kink between two
+/// elements is pushed to and fro by their normals.
+const TURNS: f64 = 1e-4;
+/// What two corrections miss to be opposite, over their size.
+const OPPOSITE: f64 = 1e-2;
 /// Compliance that keeps coincident constraints apart, over that of the penalty of a point; it is iterated away.
 const COMPLIANCE: f64 = 1e-3;
 
@@ -130,28 +135,35 @@ impl<'a> Equilibrium<'a> {
     fn step(&mut self, start: &[f64], factor: f64) -> std::result::Result<Vec<f64>, String> {
         let exact = self.bodies.scene.contact.method == Enforcement::ActiveSet;
         let mut q = start.to_vec();
-        let mut last = f64::INFINITY;
+        let (mut last, mut before) = (f64::INFINITY, Vec::new());
         for iteration in 1..=ITERATIONS {
             self.stats.iterations += 1;
             self.stats.most_iterations = self.stats.most_iterations.max(iteration);
             let begin = Instant::now();
             self.detector.update(self.bodies, &q);
             self.cost.search_s += begin.elapsed().as_secs_f64();
-            let (size, settled) =
-                if exact { self.constrained(&mut q, factor) } else { self.sprung(&mut q, factor) }
-                    .map_err(|e| e.to_string())?;
+            let (delta, settled) = if exact { self.constrained(&q, factor) } else { self.sprung(&q, factor) }
+                .map_err(|e| e.to_string())?;
+            let size = largest(&delta);
             if !size.is_finite() {
                 return Err("a correction is not finite".to_owned());
             }
             if iteration >= SETTLING && size > LOST * self.height {
                 return Err(format!("Newton's method is lost: a correction of {size:.1e} m"));
             }
+            let turns = settled && iteration > SETTLING && size <= TURNS * self.height;
+            if turns && opposite(&delta, &before) {
+                let half: Vec<f64> = delta.iter().map(|d| d / 2.0).collect();
+                self.correct(&mut q, &half);
+                return Ok(q);
+            }
+            self.correct(&mut q, &delta);
             // a correction at the rounding error of the system is the end as well
             let stalled = iteration > 10 && size < 1e-8 * self.height && size >= last / 2.0;
             if settled && (size <= CONVERGED * self.height || stalled) {
                 return Ok(q);
             }
-            last = size;
+            (last, before) = (size, delta);
         }
         Err(format!("{ITERATIONS} Newton iterations, last correction {last:.1e} m"))
     }
@@ -173,19 +185,21 @@ impl<'a> Equilibrium<'a> {
         let start = Instant::now();
         let solved = self.solver.solve(n, entries, x);
         self.cost.solve_s += start.elapsed().as_secs_f64();
+        self.stats.entries += entries.len();
+        self.stats.orderings = self.solver.orderings;
         solved
     }
 
-    /// Moves the state by a correction, shortened while something is near; returns its size, m.
-    fn correct(&self, q: &mut [f64], delta: &[f64]) -> f64 {
-        let size = delta.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
+    /// Moves the state by a correction, shortened while something is near.
+    fn correct(&self, q: &mut [f64], delta: &[f64]) {
+        let size = largest(delta);
         let limit = STRIDE * self.height;
         let share = if self.detector.any() && size > limit { limit / size } else { 1.0 };
         self.bodies.free().iter().zip(delta).for_each(|(&k, d)| q[k] += share * d);
-        size
     }
 
-    fn sprung(&mut self, q: &mut [f64], factor: f64) -> Result<(f64, bool)> {
+    /// A Newton step with springs: its correction, and whether their places have settled.
+    fn sprung(&mut self, q: &[f64], factor: f64) -> Result<(Vec<f64>, bool)> {
         let mut entries = Entries::default();
         let mut force = self.balance(q, factor, &mut entries);
         let start = Instant::now();
@@ -204,11 +218,12 @@ impl<'a> Equilibrium<'a> {
         self.cost.gaps_s += start.elapsed().as_secs_f64();
         let mut delta: Vec<f64> = self.bodies.free().iter().map(|&k| -force[k]).collect();
         self.solve_system(delta.len(), &entries, &mut delta)?;
-        Ok((self.correct(q, &delta), recut <= CONVERGED.sqrt()))
+        Ok((delta, recut <= CONVERGED.sqrt()))
     }
 
-    /// A step of the primal-dual active set: probes with `multiplier - penalty g > 0` are held at g = 0.
-    fn constrained(&mut self, q: &mut [f64], factor: f64) -> Result<(f64, bool)> {
+    /// A step of the primal-dual active set: probes with `multiplier - penalty g > 0` are held at g = 0. Its correction, and whether the
+    /// set has settled.
+    fn constrained(&mut self, q: &[f64], factor: f64) -> Result<(Vec<f64>, bool)> {
         let mut entries = Entries::default();
         let force = self.balance(q, factor, &mut entries);
         let start = Instant::now();
@@ -217,7 +232,9 @@ impl<'a> Equilibrium<'a> {
         self.cost.gaps_s += start.elapsed().as_secs_f64();
         let components = self.bodies.components();
         let unknown = self.bodies.unknown();
-        let scale = self.bodies.scene.contact.point_penalty.iter().copied().fold(0.0, f64::max);
+        let scene = self.bodies.scene;
+        let penalty = scene.largest_penalty();
+        let scale = (0..scene.bodies.len()).map(|i| scene.point_penalty(i, penalty)).fold(0.0, f64::max);
         let active: Vec<&(Key, Spring)> = list
             .iter()
             .filter(|(k, s)| self.multiplier(*k) - scale * s.gap.value > -scale * TOUCHING * self.height)
@@ -248,7 +265,6 @@ impl<'a> Equilibrium<'a> {
             }
         }
         self.solve_system(rhs.len(), &entries, &mut rhs)?;
-        let size = self.correct(q, &rhs[..n]);
         self.multipliers.clear();
         let mut settled = true;
         let mut moved = vec![0.0; self.bodies.len()];
@@ -264,6 +280,18 @@ impl<'a> Equilibrium<'a> {
             s.gap.value < -1e-9 * self.height && !active.iter().any(|(a, _)| a == k)
         };
         settled &= !list.iter().any(|entry| penetrating(&entry));
-        Ok((size, settled))
+        rhs.truncate(n);
+        Ok((rhs, settled))
     }
+}
+
+/// Largest size of a component.
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0_f64, |m, d| m.max(d.abs()))
+}
+
+/// Whether a correction takes back the one before.
+fn opposite(delta: &[f64], before: &[f64]) -> bool {
+    let missed = delta.iter().zip(before).fold(0.0_f64, |m, (a, b)| m.max((a + b).abs()));
+    before.len() == delta.len() && missed <= OPPOSITE * largest(delta)
 }

@@ -240,7 +240,7 @@ fn moving(bodies: &Bodies<'_>, until: f64, watch: Watch<'_>) -> Result<Outcome<C
     let results = Contact {
         method: settings.method.name(),
         integrator: Some(settings.stepping.name()),
-        penalty_n_m3: settings.penalty,
+        penalty_n_m3: scene.largest_penalty(),
         converged,
         time_s: Some(motion.t),
         load_factor: None,
@@ -270,9 +270,10 @@ fn resting(bodies: &Bodies<'_>, watch: Watch<'_>) -> Result<Outcome<Contact>> {
             "not-converged",
             format!(
                 "no equilibrium was found beyond {:.4} of the loads ({}); this report holds the last state found. Support \
-                 every body, raise contact.load_steps, or lower contact.penalty",
+                 every body, raise contact.load_steps, or lower contact.penalty{}",
                 state.factor,
-                why.replace('\n', ";")
+                why.replace('\n', ";"),
+                if state.factor == 0.0 { apart(bodies) } else { String::new() }
             ),
         ));
     }
@@ -283,7 +284,7 @@ fn resting(bodies: &Bodies<'_>, watch: Watch<'_>) -> Result<Outcome<Contact>> {
     let results = Contact {
         method: scene.contact.method.name(),
         integrator: None,
-        penalty_n_m3: scene.contact.penalty,
+        penalty_n_m3: scene.largest_penalty(),
         converged: state.factor == 1.0,
         time_s: None,
         load_factor: Some(state.factor),
@@ -304,6 +305,23 @@ fn resting(bodies: &Bodies<'_>, watch: Watch<'_>) -> Result<Outcome<Contact>> {
     Ok(Outcome { results, model, diagnostics })
 }
 
+/// What to do about the nearest bodies that do not touch as they are placed.
+fn apart(bodies: &Bodies<'_>) -> String {
+    let list = check::gaps(bodies).into_iter().filter_map(|check| Some((check.gap_m?, check.pair)));
+    match list.filter(|(gap, _)| *gap > 0.0).min_by(|a, b| a.0.total_cmp(&b.0)) {
+        Some((gap, [a, b])) => format!(
+            "; if contact alone is to hold `{a}` or `{b}`, place them so that they touch: they start {gap:.1e} m apart"
+        ),
+        None => String::new(),
+    }
+}
+
+/// Penalty of a pair that has another one than the largest of the scene.
+fn own_penalty(scene: &Scene, (a, b): (usize, usize)) -> Option<f64> {
+    let penalty = scene.penalty(a, b);
+    (penalty != scene.largest_penalty()).then_some(penalty)
+}
+
 fn resting_pairs(bodies: &Bodies<'_>, detector: &Detector, state: &equilibrium::State) -> Vec<PairState> {
     let scene = bodies.scene;
     let one = |(a, b): (usize, usize)| {
@@ -315,6 +333,7 @@ fn resting_pairs(bodies: &Bodies<'_>, detector: &Detector, state: &equilibrium::
             gap_m: detector.distance(bodies, (a, b), &state.q),
             penetration_m: 0.0,
             force_n: [0.0; 3],
+            penalty_n_m3: own_penalty(scene, (a, b)),
             angle_deg: detector.angle((a, b)).map(f64::to_degrees),
         };
         let mut shares = [0.0; 3];
@@ -373,7 +392,7 @@ fn summary(bodies: &Bodies<'_>) -> ModelSummary {
     let mut left_out = Vec::new();
     let contact = match scene.contact.method {
         Enforcement::Penalty => {
-            format!("contact by penalty, {:.4e} N/m^3 along lines", scene.contact.penalty)
+            format!("contact by penalty, {:.4e} N/m^3 along lines", scene.largest_penalty())
         }
         Enforcement::Lcp => {
             "contact by complementarity at nodes and corners, all contacts of a step together".to_owned()

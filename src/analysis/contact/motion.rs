@@ -5,7 +5,7 @@ use super::record::{Energies, Recorder, Touch};
 use crate::contact::bodies::Bodies;
 use crate::contact::boundary::Hit;
 use crate::contact::gap::Gap;
-use crate::contact::penalty::{self, Model, Spring, Stroke};
+use crate::contact::penalty::{self, Model, Spring, Stroke, Sums};
 use crate::contact::search::{Probe, Search};
 use crate::error::{Error, Result};
 use crate::linalg::factor::Ldlt;
@@ -34,6 +34,8 @@ const CLOSE: f64 = 1e-3;
 const MOST_PARTS: usize = 10_000;
 /// Remedy of a step whose equations are not solved.
 const STIFF: &str = "take a smaller contact.step, a smaller contact.penalty or more elements";
+/// Share of the stability limit `2/w` of the semi-implicit step that is advised: elements stiffen while they are pressed.
+const STABLE: f64 = 0.8;
 /// Pivots of a complementarity problem per contact.
 const PIVOTS: usize = 50;
 
@@ -62,6 +64,10 @@ pub struct Motion<'a> {
     internal: (Vec<f64>, f64),
     solver: Solver,
     entries: Entries,
+    /// Derivatives of the springs, between the curves that have met since the last search.
+    springs: Sums,
+    /// Number of that search.
+    searched: usize,
     height: f64,
 }
 
@@ -125,7 +131,32 @@ impl<'a> Motion<'a> {
             internal: (force, energy),
             solver: Solver::default(),
             entries: Entries::default(),
+            springs: Sums::default(),
+            searched: 0,
             height: scene.bodies.iter().map(|b| b.height).fold(f64::INFINITY, f64::min),
+        })
+    }
+
+    /// Steps from `self.t` by `dt` as [`Self::try_advance`]. The error of a semi-implicit step that the elements' own vibrations make
+    /// grow, whatever it runs into, names the step at which they do not: two digits below 0.8 of `2/w`.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn advance(&mut self, dt: f64, recorder: &mut Recorder<'_>) -> Result<()> {
+        self.try_advance(dt, recorder).map_err(|error| {
+            let fastest = self.bodies.fastest_vibration();
+            let explicit = self.bodies.scene.contact.stepping == Stepping::SemiImplicit;
+            let stable = digits_below(STABLE * 2.0 / fastest);
+            // in the first step nothing has grown yet
+            let grows = explicit && stable < dt && self.stats.steps > 0;
+            match error {
+                Error::Analysis { what, tried, .. } if grows => Error::analysis(
+                    what,
+                    format!("{tried}; the elements vibrate with up to {fastest:.3e} rad/s"),
+                    format!("take a contact.step of {stable:e} s: semi-implicit steps beyond 2/w let vibrations grow"),
+                ),
+                error => error,
+            }
         })
     }
 
@@ -133,7 +164,7 @@ impl<'a> Motion<'a> {
     ///
     /// # Errors
     /// A step that fails at its smallest size, or a complementarity problem without solution.
-    pub fn advance(&mut self, dt: f64, recorder: &mut Recorder<'_>) -> Result<()> {
+    fn try_advance(&mut self, dt: f64, recorder: &mut Recorder<'_>) -> Result<()> {
         let mut parts = 1;
         if self.bodies.scene.contact.method != Enforcement::None {
             parts = self.search.prepare(self.bodies, &self.q, &self.v, dt);
@@ -229,13 +260,19 @@ impl<'a> Motion<'a> {
     fn consistent(&mut self, dt: f64, before: &[Option<Hit>]) -> std::result::Result<Stepped, Failure> {
         let (bodies, n) = (self.bodies, self.bodies.len());
         let (q0, v0, unknown) = (self.q.clone(), self.v.clone(), bodies.unknown());
-        let mut q1: Vec<f64> = q0.iter().zip(&v0).map(|(q, v)| q + dt * v).collect();
+        let searched = self.search.counts.searches;
+        if std::mem::replace(&mut self.searched, searched) != searched {
+            self.springs = Sums::default();
+        }
+        // the change of the state is what is solved for: velocities from differences of places would lose digits in small steps
+        let mut moved: Vec<f64> = v0.iter().map(|v| dt * v).collect();
         let (mut force, mut load, mut inertia) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let mut momentum = vec![0.0; n];
         bodies.mass_times(&v0, &mut momentum);
         let mut delta = vec![0.0; bodies.free().len()];
         let mut last = f64::INFINITY;
         for iteration in 1..=ITERATIONS {
+            let q1: Vec<f64> = q0.iter().zip(&moved).map(|(q, d)| q + d).collect();
             let middle: Vec<f64> = q0.iter().zip(&q1).map(|(a, b)| (a + b) / 2.0).collect();
             self.entries.clear();
             let start = Instant::now();
@@ -245,28 +282,24 @@ impl<'a> Motion<'a> {
             let start = Instant::now();
             let strokes = self.strokes(before, &q1, &middle);
             let states = [&q0[..], &q1, &middle];
-            penalty::add_average(
-                &strokes,
-                states,
-                bodies.components(),
-                unknown,
-                &mut force,
-                Some(&mut self.entries),
-            );
+            self.springs.clear();
+            penalty::add_average(&strokes, states, bodies.components(), &mut force, &mut self.springs);
+            self.springs.add_to(unknown, &mut self.entries);
             self.cost.gaps_s += start.elapsed().as_secs_f64();
             bodies.add_mass(2.0 / (dt * dt), &mut self.entries);
-            let moved: Vec<f64> = q0.iter().zip(&q1).map(|(a, b)| b - a).collect();
             bodies.mass_times(&moved, &mut inertia);
             for (d, &k) in delta.iter_mut().zip(bodies.free()) {
                 *d = load[k] - force[k] - (2.0 * inertia[k] / dt - 2.0 * momentum[k]) / dt;
             }
             let start = Instant::now();
             let solved = self.solver.solve(delta.len(), &self.entries, &mut delta);
+            self.stats.entries += self.entries.len();
+            self.stats.orderings = self.solver.orderings;
             self.cost.solve_s += start.elapsed().as_secs_f64();
             solved.map_err(|e| Failure::Smaller(e.to_string(), STIFF))?;
             let size = delta.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
             for (d, &k) in delta.iter().zip(bodies.free()) {
-                q1[k] += d;
+                moved[k] += d;
             }
             self.stats.iterations += 1;
             self.stats.most_iterations = self.stats.most_iterations.max(iteration);
@@ -277,7 +310,7 @@ impl<'a> Motion<'a> {
             if size <= CONVERGED * self.height
                 || (iteration > 6 && size < 1e-9 * self.height && size >= last / 2.0)
             {
-                return self.finish(dt, q0, q1, v0, before);
+                return self.finish(dt, &q0, &moved, &v0, before);
             }
             last = size;
         }
@@ -294,14 +327,15 @@ impl<'a> Motion<'a> {
     fn finish(
         &mut self,
         dt: f64,
-        q0: Vec<f64>,
-        q1: Vec<f64>,
-        v0: Vec<f64>,
+        q0: &[f64],
+        moved: &[f64],
+        v0: &[f64],
         before: &[Option<Hit>],
     ) -> std::result::Result<Stepped, Failure> {
         let (bodies, n) = (self.bodies, self.bodies.len());
+        let q1: Vec<f64> = q0.iter().zip(moved).map(|(q, d)| q + d).collect();
         let middle: Vec<f64> = q0.iter().zip(&q1).map(|(a, b)| (a + b) / 2.0).collect();
-        let v1: Vec<f64> = (0..n).map(|k| 2.0 * (q1[k] - q0[k]) / dt - v0[k]).collect();
+        let v1: Vec<f64> = (0..n).map(|k| 2.0 * moved[k] / dt - v0[k]).collect();
         let start = Instant::now();
         let strain = bodies.strain_energy(&q1);
         self.cost.elements_s += start.elapsed().as_secs_f64();
@@ -311,24 +345,18 @@ impl<'a> Motion<'a> {
         if deepest < -DEEPEST * self.height {
             return Err(sunk(-deepest));
         }
-        let mut contact = 0.0;
-        let mut touches = Vec::new();
-        for stroke in &strokes {
-            let spring = &stroke.middle;
-            let [low, high] = [stroke.before, stroke.after].map(|g| g.min(0.0));
-            contact += 0.5 * spring.weight * high * high;
-            touches.push(Touch {
-                bodies: spring.bodies,
-                positions: spring.positions,
-                model: spring.model,
-                penetration: -high,
-                force: spring.gap.pull() * (-0.5 * spring.weight * (low + high)),
-                within: Touch::within(stroke.before, stroke.after),
-            });
-        }
+        let contact = strokes.iter().map(Stroke::energy).sum();
+        let touch = |stroke: &Stroke| Touch {
+            bodies: stroke.middle.bodies,
+            positions: stroke.middle.positions,
+            model: stroke.middle.model,
+            penetration: (-stroke.after).max(0.0),
+            force: stroke.average(q0, &q1, bodies.components()).force(),
+            within: Touch::within(stroke.before, stroke.after),
+        };
+        let touches = strokes.iter().map(touch).collect();
         bodies.loads(&middle, self.t + dt / 2.0, 1.0, &mut load, None);
-        let moved: Vec<f64> = q0.iter().zip(&q1).map(|(a, b)| b - a).collect();
-        let (work, impulse) = self.done(&load, &moved, &middle, dt);
+        let (work, impulse) = self.done(&load, moved, &middle, dt);
         Ok(Stepped { q: q1, v: v1, internal: (Vec::new(), strain), contact, work, impulse, touches })
     }
 
@@ -569,6 +597,14 @@ impl<'a> Motion<'a> {
         }
         Ok(())
     }
+}
+
+/// The largest number of two digits that is not above a positive `x`.
+fn digits_below(x: f64) -> f64 {
+    let unit = 10.0_f64.powf(x.log10().floor() - 1.0);
+    // written and read, so that it is the number that the text shows
+    let text = format!("{:.1e}", (x / unit).floor() * unit);
+    text.parse().unwrap_or(x)
 }
 
 /// A contact of a complementarity problem.

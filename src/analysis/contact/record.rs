@@ -54,7 +54,7 @@ pub struct Touch {
     pub model: Model,
     /// m.
     pub penetration: f64,
-    /// On the slave, N.
+    /// On the slave over the step, as the integrator takes it, N.
     pub force: Vector3<f64>,
     /// Share of the step at which it closes and opens: 0 and 1 when it lasts all of it.
     pub within: [f64; 2],
@@ -104,6 +104,8 @@ struct Pair {
     shares: Shares,
     /// On the first body in the last step, N.
     force: Vector3<f64>,
+    /// On the first body since the last row of the history, N s.
+    impulse: Vector3<f64>,
     penetration: f64,
     points: usize,
     /// When the last of its probes opened, s.
@@ -184,6 +186,7 @@ impl<'a> Recorder<'a> {
             open: None,
             shares: [0.0; 3],
             force: Vector3::zeros(),
+            impulse: Vector3::zeros(),
             penetration: 0.0,
             points: 0,
             opened: 0.0,
@@ -212,6 +215,7 @@ impl<'a> Recorder<'a> {
             let of_pair = |t: &&Touch| t.pair() == (a, b);
             let own: Vec<&Touch> = touches.iter().filter(of_pair).collect();
             pair.force = own.iter().map(|t| if t.bodies.0 == a { t.force } else { -t.force }).sum();
+            pair.impulse += pair.force * dt;
             pair.points = own.iter().filter(|t| t.within[1] == 1.0).count();
             let begin = t - dt;
             pair.opened = begin + dt * own.iter().map(|t| t.within[1]).fold(0.0, f64::max);
@@ -220,14 +224,14 @@ impl<'a> Recorder<'a> {
             let Some(first) = own.first() else {
                 if let Some(event) = pair.open.take() {
                     self.events[event].until_s = Some(pair.opened);
-                    drawn.push([t, 0.0, 0.0]);
+                    drawn.push([t, 0.0]);
                 }
                 continue;
             };
             if pair.open.is_none() {
-                drawn.push([begin, 0.0, 0.0]);
+                drawn.push([begin, 0.0]);
             }
-            drawn.push([t, pair.penetration, pair.force.norm()]);
+            drawn.push([t, pair.penetration]);
             let index = *pair.open.get_or_insert_with(|| {
                 pair.shares = [0.0; 3];
                 let [slave, master] = first.positions;
@@ -266,11 +270,13 @@ impl<'a> Recorder<'a> {
     ) {
         let (t, q, v) = state;
         let history = &mut self.history;
+        let since = history.time_s.last().map_or(0.0, |last| t - last);
         history.time_s.push(t);
-        for (i, pair) in self.pairs.iter().enumerate() {
+        for (i, pair) in self.pairs.iter_mut().enumerate() {
             let gap = search.distance(bodies, pair.bodies, q);
             history.gap_m[i].push(pair.gap(gap));
-            history.force_n[i].push(pair.force.norm());
+            let impulse = std::mem::take(&mut pair.impulse).norm();
+            history.force_n[i].push(if since > 0.0 { impulse / since } else { 0.0 });
         }
         let list = &mut self.energy;
         list.kinetic.push(energies.motion.kinetic);
@@ -308,6 +314,7 @@ impl<'a> Recorder<'a> {
             gap_m: pair.gap(search.distance(bodies, pair.bodies, q)),
             penetration_m: pair.penetration,
             force_n: pair.force.into(),
+            penalty_n_m3: super::own_penalty(self.scene, pair.bodies),
             angle_deg: None,
         };
         self.pairs.iter().map(one).collect()

@@ -489,15 +489,13 @@ impl Input<'_> {
                 "semi-implicit-euler; or the method penalty",
             );
         }
-        let smallest = bodies.iter().map(|b| b.height).fold(f64::INFINITY, f64::min);
-        let modulus = bodies.iter().map(|b| b.modulus).fold(0.0, f64::max);
         let penalty = match contact.penalty {
-            Some(penalty) => self.positive("contact.penalty", penalty.0)?,
-            None => 10.0 * modulus / smallest,
+            Some(penalty) => Some(self.positive("contact.penalty", penalty.0)?),
+            None => None,
         };
         let point_penalty = match contact.point_penalty {
-            Some(point) => vec![self.positive("contact.point_penalty", point.0)?; bodies.len()],
-            None => bodies.iter().map(|b| penalty * b.height * b.width).collect(),
+            Some(point) => Some(self.positive("contact.point_penalty", point.0)?),
+            None => None,
         };
         let step = self.positive("contact.step", contact.step.map_or(1e-4, |s| s.0))?;
         if let Some(until) = until.filter(|t| !(t / step <= STEPS && step <= *t)) {
