@@ -585,8 +585,15 @@ fn tiny() -> f64 {
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Spinup {
-    /// Phases of the drive; from one speed to the next along half a cosine, from rest at t = 0.
+    /// Phases of the drive, from one speed to the next, from `start_speed` at t = 0.
+    #[serde(default)]
     pub drive: Vec<DrivePhase>,
+    /// Torque of the drive over its speed in place of phases: straight between the points, constant beyond. The speed
+    /// follows from it.
+    #[serde(default)]
+    pub torque: Vec<TorquePoint>,
+    /// Speed at t = 0, default 0; the shaft starts from its steady state there.
+    pub start_speed: Option<Speed>,
     /// End of the simulation, default the end of the last phase.
     pub until: Option<Time>,
     /// Frame of the unknowns, default rotating.
@@ -659,8 +666,32 @@ fn two_hundred_and_one() -> u32 {
 pub struct DrivePhase {
     /// Time at which the phase ends.
     pub until: Time,
-    /// Speed reached there.
+    /// Speed reached there; negative turns backward.
     pub speed: Speed,
+    /// How it is reached, default along half a cosine.
+    #[serde(default)]
+    pub shape: RampShape,
+}
+
+/// How the speed changes over a phase of the drive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum RampShape {
+    /// Half a cosine: the acceleration grows from zero and returns to it.
+    #[default]
+    Cosine,
+    /// A straight line.
+    Linear,
+}
+
+/// A point of the drive's torque over its speed.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TorquePoint {
+    /// Speed.
+    pub speed: Speed,
+    /// Torque about x: positive drives in the positive sense.
+    pub torque: Moment,
 }
 
 /// Frame of a transient.

@@ -102,8 +102,30 @@ pub struct NewtonMatrix {
     follows: bool,
     /// Its coefficients (c_k, c_v, c_a) and the spin speed it was made for.
     pub made_for: ([f64; 3], f64),
+    border: Option<Border>,
     /// Rings in contact and where on the section, as [`Dynamics::contact_directions`] tells.
     contacts: Vec<(usize, Vector3<f64>)>,
+}
+
+/// Row and column of the angle of a drive by its torque beside a factorised matrix A, which changes the forces by b and has
+/// the derivatives c of the torque.
+struct Border {
+    /// `c`, on the free coordinates.
+    row: Vec<f64>,
+    /// `A^-1 b`.
+    answer: Vec<f64>,
+    /// Derivative of the torque by the angle's unknown, less `c . A^-1 b`.
+    pivot: f64,
+}
+
+impl Border {
+    /// Completes `x = -A^-1 g` (its last entry is the angle's) for a torque out of balance.
+    fn apply(&self, out_of_torque: f64, x: &mut [f64]) {
+        let n = self.row.len();
+        let angle = (-out_of_torque - dot(&self.row, &x[..n])) / self.pivot;
+        x[..n].iter_mut().zip(&self.answer).for_each(|(x, u)| *x -= angle * u);
+        x[n] = angle;
+    }
 }
 
 /// Equations of motion with their memory.
@@ -196,6 +218,9 @@ struct Memory {
     frames: Vec<Matrix3<f64>>,
     /// Sine and cosine of the drive's angle.
     turned: (f64, f64),
+    turn: Turn,
+    /// Torque that the motion takes less that of the drive, N m.
+    out_of_torque: f64,
 }
 
 impl<'a> Dynamics<'a> {
@@ -253,9 +278,8 @@ impl<'a> Dynamics<'a> {
         })
     }
 
-    /// Puts rings around the shaft.
-    pub fn surround(&mut self, stators: &[Stator]) {
-        let fastest = self.drive.largest_speed();
+    /// Puts rings around the shaft, which turns with at most that speed, rad/s.
+    pub fn surround(&mut self, stators: &[Stator], fastest: f64) {
         self.rub.rings = stators.iter().map(|s| Ring::new(self.assembly, s, fastest)).collect();
     }
 
@@ -272,7 +296,7 @@ impl<'a> Dynamics<'a> {
     /// Gap at every stator in a state, and force and slip at those that act.
     pub fn contacts(&mut self, t: f64, z: &[f64], v: &[f64]) -> Vec<Contact> {
         let zero = vec![0.0; z.len()];
-        self.move_to(self.drive.at(t), z, v, &zero);
+        self.move_to(self.turn(t, z, v, &zero), z, v, &zero);
         self.present_contacts()
     }
 
@@ -281,9 +305,44 @@ impl<'a> Dynamics<'a> {
         self.rub.contacts(&self.memory.position, &self.memory.velocity)
     }
 
-    /// Number of unknowns.
+    /// Number of unknowns: the free coordinates, and the angle of a drive by its torque.
     pub fn size(&self) -> usize {
-        self.assembly.size()
+        self.assembly.size() + usize::from(self.drive.is_torque())
+    }
+
+    /// Rotation of the drive in a state.
+    fn turn(&self, t: f64, z: &[f64], v: &[f64], a: &[f64]) -> Turn {
+        if !self.drive.is_torque() {
+            return self.drive.at(t);
+        }
+        let n = self.assembly.size();
+        Turn { angle: z[n], speed: v[n], acceleration: a[n] }
+    }
+
+    /// Speed of the drive at the time of the last evaluation, rad/s.
+    pub fn speed_at(&self, t: f64) -> f64 {
+        if self.drive.is_torque() { self.memory.turn.speed } else { self.drive.at(t).speed }
+    }
+
+    /// Angle of the drive at the time of the last evaluation, rad.
+    fn angle_at(&self, t: f64) -> f64 {
+        if self.drive.is_torque() { self.memory.turn.angle } else { self.drive.at(t).angle }
+    }
+
+    /// Records the rotation at the end of a step, where a torque drives.
+    pub fn record(&mut self, t: f64, [z, v, a]: [&[f64]; 3]) {
+        let turn = self.turn(t, z, v, a);
+        self.drive.record(t, turn);
+    }
+
+    /// Largest displacement of a free coordinate from where the drive carries the undeformed shaft, m.
+    pub fn largest_displacement(&self, t: f64, z: &[f64]) -> f64 {
+        let largest = |m: f64, z: f64| m.max(z.abs());
+        if self.frame == Frame::Rotating {
+            return z[..self.assembly.size()].iter().copied().fold(0.0, largest);
+        }
+        let q = self.coordinates(t, z);
+        q.iter().zip(&self.reference).map(|(q, q0)| q - q0).fold(0.0, largest)
     }
 
     /// True when the equations dissipate: material, external or bearing damping.
@@ -312,6 +371,7 @@ impl<'a> Dynamics<'a> {
         let Turn { angle, speed, acceleration } = turn;
         let (sin, cos) = angle.sin_cos();
         m.turned = (sin, cos);
+        m.turn = turn;
         let rotating = self.frame == Frame::Rotating;
         for node in self.nodes.iter().filter(|n| rotating || n.turned) {
             for at in (node.start..node.end).step_by(3) {
@@ -336,7 +396,7 @@ impl<'a> Dynamics<'a> {
 
     /// Forces out of balance in the unknowns' own coordinates, kept for [`Self::correct`].
     pub fn evaluate(&mut self, t: f64, z: &[f64], v: &[f64], a: &[f64]) {
-        let turn = self.drive.at(t);
+        let turn = self.turn(t, z, v, a);
         self.move_to(turn, z, v, a);
         self.counts.force_evaluations += 1;
         let m = &mut self.memory;
@@ -383,6 +443,7 @@ impl<'a> Dynamics<'a> {
             0.0
         };
         self.powers.torque = moment(&m.position, &m.inertia);
+        m.out_of_torque = self.powers.torque - self.drive.torque_at(turn.speed).0;
         m.residual.iter_mut().zip(&m.inertia).for_each(|(r, f)| *r += f);
         let (sin, cos) = turn.angle.sin_cos();
         for node in self.nodes.iter().filter(|n| n.turned) {
@@ -412,7 +473,7 @@ impl<'a> Dynamics<'a> {
     /// Forces of the supports on all coordinates at the last evaluation, in fixed directions: resultant at each
     /// constrained node, `(node, [x, y, z])`, N.
     pub fn reactions(&self, t: f64) -> Vec<(usize, [f64; 3])> {
-        let (sin, cos) = self.drive.at(t).angle.sin_cos();
+        let (sin, cos) = self.angle_at(t).sin_cos();
         let mut list: Vec<(usize, [f64; 3])> = Vec::new();
         for node in self.assembly.constrained_nodes() {
             if list.last().is_some_and(|(last, _)| *last == node) {
@@ -438,6 +499,47 @@ impl<'a> Dynamics<'a> {
         self.mass_factor.solve_in_place(&mut self.memory.residual);
         self.assembly.restrict_into(&self.memory.residual, a);
         a.iter_mut().for_each(|a| *a = -*a);
+        if let Some(border) = self.border(&self.mass_factor, [0.0, 0.0, 1.0]) {
+            border.apply(self.memory.out_of_torque, a);
+        }
+    }
+
+    /// What the angle adds to a Newton matrix, where a torque drives: at the last evaluation, with the coefficients of
+    /// `z, z', z''`.
+    ///
+    /// The forces change by `M J q` per angular acceleration and `2 M J (v + Omega J q)` per speed, the torque
+    /// `(J q)^T (...)` by the same on the other side.
+    fn border(&self, factor: &Chain, [_, c_v, c_a]: [f64; 3]) -> Option<Border> {
+        if !self.drive.is_torque() {
+            return None;
+        }
+        let m = &self.memory;
+        let cross = |list: &[f64]| -> Vec<f64> {
+            list.chunks_exact(3).flat_map(|v| [0.0, -v[2], v[1]]).collect()
+        };
+        let product = |list: &[f64]| {
+            let mut image = vec![0.0; list.len()];
+            self.mass.multiply(list, &mut image);
+            image
+        };
+        let across = cross(&m.position);
+        let (by_acceleration, pull) = (product(&across), product(&cross(&across)));
+        let coriolis = product(&cross(&m.rate));
+        let speed = m.turn.speed;
+        let n = self.assembly.size();
+        let mut column: Vec<f64> = (0..across.len())
+            .map(|i| c_a * by_acceleration[i] + 2.0 * c_v * (coriolis[i] + speed * pull[i]))
+            .collect();
+        let row: Vec<f64> =
+            (0..across.len()).map(|i| c_a * by_acceleration[i] - 2.0 * c_v * speed * pull[i]).collect();
+        let own = c_a * dot(&across, &by_acceleration) + 2.0 * c_v * dot(&across, &coriolis)
+            - c_v * self.drive.torque_at(speed).1;
+        let (mut on_free, mut answer) = (vec![0.0; n], vec![0.0; n]);
+        self.assembly.project(&row, &mut on_free);
+        factor.solve_in_place(&mut column);
+        self.assembly.restrict_into(&column, &mut answer);
+        let pivot = own - dot(&on_free, &answer);
+        Some(Border { row: on_free, answer, pivot })
     }
 
     /// Adds the inertia of accelerations to the forces of the last evaluation, which was made without them.
@@ -541,7 +643,8 @@ impl<'a> Dynamics<'a> {
         state: Option<&[f64]>,
     ) -> Result<NewtonMatrix> {
         let [c_k, c_v, c_a] = coefficients;
-        let Turn { speed, acceleration, angle } = self.drive.at(t);
+        let Turn { speed, acceleration, angle } =
+            if self.drive.is_torque() { self.memory.turn } else { self.drive.at(t) };
         self.counts.factorizations += 1;
         let follows = state.is_none();
         let rings = self.contact_parts(coefficients, speed, follows);
@@ -584,7 +687,8 @@ impl<'a> Dynamics<'a> {
             }
         };
         let contacts = self.contact_directions(follows);
-        Ok(NewtonMatrix { factor, follows, made_for: (coefficients, speed), contacts })
+        let border = self.border(&factor, coefficients);
+        Ok(NewtonMatrix { factor, follows, made_for: (coefficients, speed), contacts, border })
     }
 
     /// Rotations of the sections at the state of the last evaluation, for the matrices that follow them.
@@ -619,12 +723,15 @@ impl<'a> Dynamics<'a> {
         }
         self.assembly.restrict_into(&m.residual, x);
         x.iter_mut().for_each(|x| *x = -*x);
+        if let Some(border) = &matrix.border {
+            border.apply(m.out_of_torque, x);
+        }
     }
 
     /// Energies and angular momentum of a state.
     pub fn state(&mut self, t: f64, z: &[f64], v: &[f64]) -> State {
-        let turn = self.drive.at(t);
         let zero = vec![0.0; z.len()];
+        let turn = self.turn(t, z, v, &zero);
         self.move_to(turn, z, v, &zero);
         let m = &mut self.memory;
         let n = self.reference.len();

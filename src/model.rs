@@ -437,14 +437,25 @@ pub struct StaticSettings {
     pub tolerance: f64,
 }
 
+/// How the speed changes over a phase of the drive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// Along half a cosine.
+    Cosine,
+    /// Along a straight line: the acceleration jumps at its ends.
+    Linear,
+}
+
 /// End of a phase of the drive: the speed changes from that of the phase before along half a cosine,
-/// `Omega(t) = a + (b - a) (1 - cos(pi (t - t0) / (until - t0))) / 2`. The first phase starts at rest at t = 0.
+/// `Omega(t) = a + (b - a) (1 - cos(pi (t - t0) / (until - t0))) / 2`, or linearly. The first phase starts at t = 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Phase {
     /// End, s.
     pub until: f64,
-    /// Speed at the end, rad/s.
+    /// Speed at the end, rad/s; negative against the positive sense about x.
     pub speed: f64,
+    /// How it gets there.
+    pub shape: Shape,
 }
 
 /// Frame in which a transient is integrated.
@@ -470,8 +481,12 @@ pub enum Integrator {
 /// Settings of the spin-up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpinupSettings {
-    /// Phases of the drive, ends ascending; the last speed is kept.
+    /// Speed at t = 0, rad/s.
+    pub start_speed: f64,
+    /// Phases of the drive, ends ascending; the last speed is kept. None when a torque drives.
     pub drive: Vec<Phase>,
+    /// Torque of the drive over its speed, points (rad/s, N m), speeds ascending; none when the speed is prescribed.
+    pub torque: Vec<[f64; 2]>,
     /// End of the simulation, s.
     pub until: f64,
     /// Frame of the unknowns.
@@ -496,6 +511,14 @@ pub struct SpinupSettings {
     pub driven_node: Option<usize>,
     /// Rings around the shaft.
     pub stators: Vec<Stator>,
+}
+
+impl SpinupSettings {
+    /// Largest speed by size that is named, rad/s.
+    pub fn largest_speed(&self) -> f64 {
+        let named = self.drive.iter().map(|p| p.speed).chain(self.torque.iter().map(|point| point[0]));
+        named.fold(self.start_speed.abs(), |m: f64, w| m.max(w.abs()))
+    }
 }
 
 /// A rigid ring at rest around the shaft, centred on the undeformed axis.

@@ -125,7 +125,7 @@ pub fn check(model: &Model) -> Result<Outcome<Check>> {
     }
     diagnostics.extend(model_remarks(model, &assembly));
     if let Some(spin) = &model.spinup {
-        let fastest = spin.drive.iter().map(|p| p.speed).fold(0.0, f64::max);
+        let fastest = spin.largest_speed();
         slow_remark(model, fastest, &mut diagnostics);
         if !spin.stators.is_empty() {
             model_summary.modelled.push(format!("spinup: rub (rings: {})", spin.stators.len()));

@@ -59,7 +59,7 @@ pub fn plausibility(model: &Model) -> Vec<Diagnostic> {
             );
         }
         let sweep = model.campbell.as_ref().and_then(|c| c.speeds.last().copied());
-        let drive = model.spinup.as_ref().map(|s| s.drive.iter().map(|p| p.speed).fold(0.0, f64::max));
+        let drive = model.spinup.as_ref().map(|s| s.largest_speed());
         for (path, speed) in [("campbell.speeds.to", sweep), ("spinup.drive", drive)] {
             let Some(speed) = speed else { continue };
             if speed * size > FASTEST_SURFACE {

@@ -113,20 +113,23 @@ pub fn refusal(model: &Model, settings: &SpinupSettings) -> Option<Refusal> {
 /// can't treat.
 pub fn spinup(model: &Model, settings: &SpinupSettings, watch: Watch<'_>) -> Result<Outcome<Spinup>> {
     let model = &model.with_drive(settings);
-    let drive = Drive::new(&settings.drive);
+    let drive = Drive::of(settings);
+    let fastest = settings.largest_speed();
     let mut diagnostics = Vec::new();
     refuse_dependent(model)?;
     refuse_tiny_bore(model)?;
     growth_remarks(model, &mut diagnostics);
     hub_remark(model, &mut diagnostics);
-    slow_remark(model, drive.largest_speed(), &mut diagnostics);
-    refuse_beyond_burst(model, drive.largest_speed())?;
+    slow_remark(model, fastest, &mut diagnostics);
+    refuse_beyond_burst(model, fastest)?;
     let assembly = Assembly::new(model);
     diagnostics.extend(model_remarks(model, &assembly));
     if settings.steady {
         return steady(&assembly, settings, drive.last_speed(), diagnostics);
     }
-    let rest = Balance::new(&assembly, Which::All, 0.0)?;
+    // at speed from the steady state of what is constant there
+    let which = if settings.start_speed == 0.0 { Which::All } else { Which::ConstantInTurningFrame };
+    let rest = Balance::new(&assembly, which, settings.start_speed)?;
     pinned_remark(&rest, &mut diagnostics);
     let start = rest.solve(NEWTON, None)?;
     if start.load_factor < 1.0 {
@@ -137,11 +140,16 @@ pub fn spinup(model: &Model, settings: &SpinupSettings, watch: Watch<'_>) -> Res
         ));
     }
     let mut dynamics = Dynamics::new(&assembly, drive, settings.frame)?;
-    dynamics.surround(&settings.stators);
-    let n = assembly.size();
+    dynamics.surround(&settings.stators, fastest);
+    let n = dynamics.size();
     let mut begin = Moment { t: 0.0, z: start.z, v: vec![0.0; n], a: vec![0.0; n] };
+    begin.z.resize(n, 0.0);
+    if dynamics.drive.is_torque() {
+        begin.v[n - 1] = settings.start_speed;
+    }
     let (z, v) = (begin.z.clone(), begin.v.clone());
     dynamics.acceleration(0.0, &z, &v, &mut begin.a);
+    dynamics.record(0.0, begin.lists());
     let mut recorder = Recorder::new(&assembly, settings, &mut dynamics, &begin)?;
     let result = run(&mut dynamics, begin, settings, &mut recorder, watch)?;
     Ok(recorder.finish(model, &mut dynamics, result, diagnostics))
@@ -209,13 +217,6 @@ fn steady(
     mut diagnostics: Vec<Diagnostic>,
 ) -> Result<Outcome<Spinup>> {
     let model = assembly.model;
-    if !settings.stators.is_empty() {
-        return Err(Error::Case {
-            path: "spinup.stators".to_owned(),
-            problem: "a steady state has no rings around the shaft".to_owned(),
-            allowed: "no stators; or the transient: leave out `spinup.steady`".to_owned(),
-        });
-    }
     let mut summary = nonlinear_summary(model, assembly.size());
     let results = if speed == 0.0 || orbit::is_constant_in_turning_frame(model) {
         let which = if speed == 0.0 { Which::All } else { Which::ConstantInTurningFrame };
@@ -264,7 +265,7 @@ fn one_turn(
     speed: f64,
     orbit: &Orbit,
 ) -> Result<Spinup> {
-    let period = 2.0 * PI / speed;
+    let period = 2.0 * PI / speed.abs();
     let mut dynamics = Dynamics::new(assembly, Drive::constant(speed), Frame::Rotating)?;
     let moment = |t: f64| {
         let [z, mut v, mut a] = orbit.at(speed * t);
@@ -309,8 +310,17 @@ fn stability(
     if speed == 0.0 || (round && !feeds) {
         return;
     }
+    // seen from the other end, a shaft that turns backward turns forward
+    let mut mirrored = model.clone();
+    if speed < 0.0 {
+        for bearing in &mut mirrored.bearings {
+            for law in [&mut bearing.stiffness, &mut bearing.damping] {
+                (law[0][1], law[1][0]) = (-law[0][1], -law[1][0]);
+            }
+        }
+    }
     let settings = CampbellSettings {
-        speeds: vec![speed],
+        speeds: vec![speed.abs()],
         modes: STABILITY_MODES,
         frame: if round { WhirlFrame::Stationary } else { WhirlFrame::Rotating },
         form: Form::Consistent,
@@ -318,7 +328,7 @@ fn stability(
         gyroscopic: Gyroscopic::All,
         orders: Vec::new(),
     };
-    match campbell(model, &settings, &|_| ()) {
+    match campbell(&mirrored, &settings, &|_| ()) {
         Ok(outcome) => {
             let worst = outcome
                 .results

@@ -52,7 +52,7 @@ pub fn integrate(
     let mut run = Run::new(dynamics, start);
     let mut course = Course::new(settings, dynamics, &run.now);
     let mut progress = Progress::default();
-    run.restart(settings);
+    run.restart(dynamics, settings);
     while run.now.t < course.until {
         let stop = course.stop_after(run.now.t);
         let left = stop - run.now.t;
@@ -84,7 +84,10 @@ pub fn integrate(
         course.prepare(dynamics, &run.now);
         course.count(taken, run.now.t, progress.steps)?;
         if last {
-            run.restart(settings);
+            if dynamics.drive.begin_phase(run.now.t) {
+                run.begin_phase(dynamics);
+            }
+            run.restart(dynamics, settings);
         }
     }
     Ok(progress)
@@ -159,11 +162,22 @@ impl Run {
         }
     }
 
+    /// At a jump of the drive's acceleration: that of the shaft jumps with it.
+    fn begin_phase(&mut self, dynamics: &mut Dynamics<'_>) {
+        let n = self.now.z.len();
+        let (z, v) = (self.now.z.clone(), self.now.v.clone());
+        dynamics.acceleration(self.now.t, &z, &v, &mut self.now.a);
+        dynamics.evaluate(self.now.t, &z, &v, &self.now.a);
+        self.phi[0][n..].copy_from_slice(&self.now.a);
+        self.phi_powers[0] = Flows::of(dynamics, self.now.t);
+        self.torque[0] = dynamics.powers.torque;
+    }
+
     /// Forgets the past: order one, a step whose error is a sixteenth of the tolerance if accelerations last.
-    fn restart(&mut self, settings: &Settings) {
+    fn restart(&mut self, dynamics: &Dynamics<'_>, settings: &Settings) {
         let n = self.now.z.len();
         let fastest = self.phi[0][n..].iter().fold(0.0, |m: f64, a| m.max(a.abs()));
-        let modest = 0.25 * (settings.tolerance(&self.now.z) / fastest.max(f64::MIN_POSITIVE)).sqrt();
+        let modest = 0.25 * (settings.tolerance(dynamics, &self.now) / fastest.max(f64::MIN_POSITIVE)).sqrt();
         (self.h, self.order, self.starting) = (settings.first_step.min(modest), 1, true);
         (self.valid, self.equal, self.failures) = (1, 0, 0);
         self.times.clear();
@@ -220,7 +234,7 @@ impl Run {
             self.last[i] += self.next.v[i];
             self.last[n + i] += self.next.a[i];
         }
-        self.errors = self.estimate(h, settings.tolerance(&self.now.z));
+        self.errors = self.estimate(h, settings.tolerance(dynamics, &self.now));
         if self.errors.own <= 1.0 {
             let g = h * self.g[k];
             for i in 0..n {

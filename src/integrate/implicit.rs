@@ -124,6 +124,9 @@ pub fn integrate(
                     return Ok(progress);
                 }
                 run.advance();
+                if last && dynamics.drive.begin_phase(run.now.t) {
+                    run.begin_phase(dynamics);
+                }
                 course.prepare(dynamics, &run.now);
                 let laborious = run.newton.laborious();
                 run.newton.accepted();
@@ -208,7 +211,7 @@ impl Run {
     }
 
     /// Takes over the powers of a step of length h and what serves the guesses of the next one.
-    fn accept(&mut self, dynamics: &Dynamics<'_>, h: f64) -> Step<'_> {
+    fn accept(&mut self, dynamics: &mut Dynamics<'_>, h: f64) -> Step<'_> {
         self.torque[1] = dynamics.powers.torque;
         let t0 = self.now.t;
         match self.scheme {
@@ -234,6 +237,7 @@ impl Run {
                 self.history = vec![(t0, self.now.a.clone())];
             }
         }
+        dynamics.record(t0 + h, self.next.lists());
         let speeds = [self.now.t, self.next.t].map(|t| dynamics.drive.at(t).speed);
         let power = [0, 1].map(|i| self.torque[i] * speeds[i]);
         Step { start: &self.now, end: &self.next, flows: self.flows, torque: self.torque, power }
@@ -245,18 +249,31 @@ impl Run {
         self.torque[0] = self.torque[1];
     }
 
+    /// At a jump of the drive's acceleration: that of the shaft jumps with it, and what went before tells nothing.
+    fn begin_phase(&mut self, dynamics: &mut Dynamics<'_>) {
+        let now = &mut self.now;
+        let (z, v) = (now.z.clone(), now.v.clone());
+        dynamics.acceleration(now.t, &z, &v, &mut now.a);
+        dynamics.evaluate(now.t, &now.z, &now.v, &now.a);
+        self.last_powers = (now.t, Flows::of(dynamics, now.t));
+        self.beyond = Flows::default();
+        self.torque[0] = dynamics.powers.torque;
+        self.history = vec![(now.t, now.a.clone())];
+    }
+
     /// Tries a step; its error over the tolerance, or nothing when Newton's method failed.
     fn step(&mut self, dynamics: &mut Dynamics<'_>, h: f64, settings: &Settings) -> Result<Option<f64>> {
-        let tolerance = settings.tolerance(&self.now.z);
+        let tolerance = settings.tolerance(dynamics, &self.now);
+        let angle = settings.rtol;
         match self.scheme {
-            Scheme::Esdirk => self.esdirk(dynamics, h, tolerance),
+            Scheme::Esdirk => self.esdirk(dynamics, h, [tolerance, angle]),
             Scheme::GeneralizedAlpha { rho_infinity } => {
-                self.generalized_alpha(dynamics, h, tolerance, rho_infinity)
+                self.generalized_alpha(dynamics, h, [tolerance, angle], rho_infinity)
             }
         }
     }
 
-    fn esdirk(&mut self, dynamics: &mut Dynamics<'_>, h: f64, tolerance: f64) -> Result<Option<f64>> {
+    fn esdirk(&mut self, dynamics: &mut Dynamics<'_>, h: f64, [tolerance, angle]: [f64; 2]) -> Result<Option<f64>> {
         let n = self.x.len();
         let g = GAMMA * h;
         let (t0, now) = (self.now.t, &self.now);
@@ -296,13 +313,18 @@ impl Run {
                 self.next.a.clone_from(a);
             }
         }
-        let mut error: f64 = 0.0;
-        for k in 0..n {
+        let size = dynamics.assembly.size();
+        let of = |k: usize| -> f64 {
             let e: f64 = (0..STAGES).map(|j| (B[j] - EMBEDDED[j]) * self.stages[j].0[k]).sum();
-            error = error.max((h * e).abs());
+            (h * e).abs()
+        };
+        let mut error: f64 = 0.0;
+        for k in 0..size {
+            error = error.max(of(k));
         }
         self.flows[1] = flows;
-        let error = error / tolerance;
+        // the angle of a drive by its torque has a tolerance of its own, rad
+        let error = (size..n).fold(error / tolerance, |m: f64, k| m.max(of(k) / angle));
         Ok(error.is_finite().then_some(error))
     }
 
@@ -310,7 +332,7 @@ impl Run {
         &mut self,
         dynamics: &mut Dynamics<'_>,
         h: f64,
-        tolerance: f64,
+        [tolerance, angle]: [f64; 2],
         rho: f64,
     ) -> Result<Option<f64>> {
         let (alpha_m, alpha_f) = ((2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0));
@@ -342,6 +364,7 @@ impl Run {
             return Ok(None);
         }
         let now = &self.now;
+        let size = dynamics.assembly.size();
         let mut change: f64 = 0.0;
         for k in 0..n {
             let (a_c, v_c) = (
@@ -352,7 +375,8 @@ impl Run {
             self.next.z[k] = now.z[k] + self.x[k];
             self.next.a[k] = a;
             self.next.v[k] = v_c + h * gamma * a;
-            change = change.max((a - now.a[k]).abs());
+            let own = if k < size { 1.0 } else { tolerance / angle };
+            change = change.max(own * (a - now.a[k]).abs());
         }
         // local error of the displacement: the algorithm's acceleration lags by (alpha_f - alpha_m) h
         let error = h * h * (beta + (alpha_f - alpha_m) / 2.0 - 1.0 / 6.0).abs() * change / tolerance;
@@ -461,7 +485,7 @@ impl Newton {
             let stale = self.matrix.as_ref().map_or(f64::INFINITY, |m| {
                 let ([k, _, a], speed) = m.made_for;
                 // the Coriolis terms count beside the mass
-                let turned = 2.0 * (dynamics.drive.at(stage.t).speed - speed).abs() * c_v / c_a;
+                let turned = 2.0 * (dynamics.speed_at(stage.t) - speed).abs() * c_v / c_a;
                 (c_a / c_k / (a / k) - 1.0).abs().max(turned)
             });
             // slow convergence with the right coefficients is for the secants, unless the tangent itself has aged

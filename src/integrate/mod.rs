@@ -3,6 +3,7 @@
 pub mod adams;
 pub mod implicit;
 
+use crate::drive::quintic;
 use crate::dynamics::{Dynamics, Powers};
 use crate::error::{Error, Result};
 use std::ops::ControlFlow;
@@ -43,9 +44,9 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Tolerance of a step from displacements, m.
-    fn tolerance(&self, z: &[f64]) -> f64 {
-        self.atol + self.rtol * z.iter().fold(0.0, |m: f64, z| m.max(z.abs()))
+    /// Tolerance of a step from a state, m: relative to the displacement from where the drive carries the undeformed shaft.
+    fn tolerance(&self, dynamics: &Dynamics<'_>, now: &Moment) -> f64 {
+        self.atol + self.rtol * dynamics.largest_displacement(now.t, &now.z)
     }
 }
 
@@ -118,32 +119,7 @@ impl Step<'_> {
         let (start, end) = (self.start, self.end);
         let h = end.t - start.t;
         let s = ((t - start.t) / h).clamp(0.0, 1.0);
-        let (s2, s3) = (s * s, s * s * s);
-        // Hermite's polynomials of value, slope and curvature at both ends, and their derivatives
-        let value = [
-            1.0 - s3 * (10.0 - 15.0 * s + 6.0 * s2),
-            s - s3 * (6.0 - 8.0 * s + 3.0 * s2),
-            s2 / 2.0 - s3 * (1.5 - 1.5 * s + 0.5 * s2),
-            s3 * (10.0 - 15.0 * s + 6.0 * s2),
-            s3 * (-4.0 + 7.0 * s - 3.0 * s2),
-            s3 * (0.5 - s + 0.5 * s2),
-        ];
-        let slope = [
-            -30.0 * s2 * (1.0 - 2.0 * s + s2),
-            1.0 - s2 * (18.0 - 32.0 * s + 15.0 * s2),
-            s - s2 * (4.5 - 6.0 * s + 2.5 * s2),
-            30.0 * s2 * (1.0 - 2.0 * s + s2),
-            s2 * (-12.0 + 28.0 * s - 15.0 * s2),
-            s2 * (1.5 - 4.0 * s + 2.5 * s2),
-        ];
-        let curvature = [
-            -60.0 * s * (1.0 - 3.0 * s + 2.0 * s2),
-            -s * (36.0 - 96.0 * s + 60.0 * s2),
-            1.0 - s * (9.0 - 18.0 * s + 10.0 * s2),
-            60.0 * s * (1.0 - 3.0 * s + 2.0 * s2),
-            s * (-24.0 + 84.0 * s - 60.0 * s2),
-            s * (3.0 - 12.0 * s + 10.0 * s2),
-        ];
+        let [value, slope, curvature] = quintic(s);
         let scale = [1.0, h, h * h, 1.0, h, h * h];
         for i in 0..z.len() {
             let ends = [start.z[i], start.v[i], start.a[i], end.z[i], end.v[i], end.a[i]];
@@ -176,7 +152,7 @@ impl Flows {
     /// Powers at the last evaluation.
     pub fn of(dynamics: &Dynamics<'_>, t: f64) -> Self {
         let p = &dynamics.powers;
-        let drive = p.torque * dynamics.drive.at(t).speed;
+        let drive = p.torque * dynamics.speed_at(t);
         let Powers { internal, external, bearings, friction, loads, .. } = *p;
         Self { drive, internal, external, bearings, friction, loads }
     }
@@ -240,13 +216,14 @@ impl<'a> Course<'a> {
     /// Chooses the rings that act in a step from a state.
     fn prepare(&mut self, dynamics: &mut Dynamics<'_>, now: &Moment) {
         self.touch = (None, 0);
-        dynamics.rub_mut().prepare(&now.z, self.settings.tolerance(&now.z));
+        let tolerance = self.settings.tolerance(dynamics, now);
+        dynamics.rub_mut().prepare(&now.z, tolerance);
     }
 
     /// True when a step of length h stands. It does not when it passed a ring that did not act: then it is to be repeated
     /// up to the touch or, where it can't be shortened, with the ring acting from its start.
     fn stands(&mut self, dynamics: &mut Dynamics<'_>, now: &Moment, next: &Moment, h: f64) -> bool {
-        let tolerance = self.settings.tolerance(&now.z);
+        let tolerance = self.settings.tolerance(dynamics, now);
         let rub = dynamics.rub_mut();
         let Some((ring, share)) = rub.reached(h, [now.lists(), next.lists()], tolerance) else { return true };
         let (_, cuts) = self.touch;

@@ -4,11 +4,15 @@ use super::Input;
 use crate::case;
 use crate::error::Result;
 use crate::model::mesh::Mesh;
-use crate::model::{Frame, Integrator, Phase, Quadrature, SpinupSettings, StaticSettings, Stator};
+use crate::model::{Frame, Integrator, Phase, Quadrature, Shape, SpinupSettings, StaticSettings, Stator};
 use crate::section::Section;
 
 /// Longest simulation, s.
 const LONGEST: f64 = 1e9;
+/// Fastest drive, rad/s.
+const FASTEST: f64 = 1e12;
+/// Largest torque of a drive, N m.
+const STRONGEST: f64 = 1e30;
 
 impl Input<'_> {
     pub(super) fn quadrature(&self) -> Result<Quadrature> {
@@ -51,7 +55,14 @@ impl Input<'_> {
     pub(super) fn spinup(&self, mesh: &Mesh, sections: &[Section]) -> Result<Option<SpinupSettings>> {
         let Some(s) = &self.case.spinup else { return Ok(None) };
         let at = |key: &str| format!("spinup.{key}");
-        if s.drive.is_empty() {
+        let start_speed = s.start_speed.map_or(0.0, |w| w.0);
+        self.within(&at("start_speed"), start_speed.abs(), 0.0, FASTEST)?;
+        if start_speed != 0.0 && s.frame == case::SpinupFrame::Inertial {
+            let allowed = "\"frame\": \"rotating\", or a start from rest";
+            return self.fault(&at("start_speed"), "the inertial frame starts from rest", allowed);
+        }
+        let torque = self.torque(s)?;
+        if s.drive.is_empty() && torque.is_empty() {
             return self.fault(
                 &at("drive"),
                 "the drive has no phase",
@@ -66,14 +77,21 @@ impl Input<'_> {
                 return self.fault(&path, problem, format!("a time above {before} s"));
             }
             self.within(&path, until, 1e-12, LONGEST)?;
-            let speed = self.not_negative(&format!("spinup.drive.{i}.speed"), phase.speed.0)?;
-            self.within(&format!("spinup.drive.{i}.speed"), speed, 0.0, 1e12)?;
-            drive.push(Phase { until, speed });
+            let speed = phase.speed.0;
+            self.within(&format!("spinup.drive.{i}.speed"), speed.abs(), 0.0, FASTEST)?;
+            let shape = match phase.shape {
+                case::RampShape::Cosine => Shape::Cosine,
+                case::RampShape::Linear => Shape::Linear,
+            };
+            drive.push(Phase { until, speed, shape });
             before = until;
         }
         let driven_node = self.driven_node(s, mesh)?;
-        if driven_node.is_none() {
-            self.turning(&drive)?;
+        if driven_node.is_none() && (start_speed != 0.0 || !torque.is_empty() || turns_at_all(&drive)) {
+            self.turning()?;
+        }
+        if !torque.is_empty() && s.until.is_none() {
+            return self.fault(&at("torque"), "a torque has no end of its own", "\"until\": the end of the simulation");
         }
         let until = self.positive(&at("until"), s.until.map_or(before, |t| t.0))?;
         self.within(&at("until"), until, 1e-12, LONGEST)?;
@@ -110,7 +128,9 @@ impl Input<'_> {
             return self.fault(&at("max_steps"), "no steps are allowed", "at least 1");
         }
         Ok(Some(SpinupSettings {
+            start_speed,
             drive,
+            torque,
             until,
             frame: match s.frame {
                 case::SpinupFrame::Rotating => Frame::Rotating,
@@ -127,6 +147,40 @@ impl Input<'_> {
             driven_node,
             stators: self.stators(s, mesh, sections)?,
         }))
+    }
+
+    /// The torque of the drive over speed.
+    fn torque(&self, s: &case::Spinup) -> Result<Vec<[f64; 2]>> {
+        if !s.torque.is_empty() && !s.drive.is_empty() {
+            let allowed = "\"drive\" for a speed over time, or \"torque\" for a torque over speed";
+            return self.fault("spinup.torque", "the drive has a speed and a torque", allowed);
+        }
+        for (key, wrong) in [
+            ("steady", s.steady),
+            ("frame", s.frame == case::SpinupFrame::Inertial),
+            ("integrator", s.integrator == case::Integrator::Adams),
+        ] {
+            if wrong && !s.torque.is_empty() {
+                return self.fault(
+                    &format!("spinup.{key}"),
+                    "a drive by its torque runs over time, in the rotating frame, with an implicit integrator",
+                    "\"steady\": false, \"frame\": \"rotating\", \"integrator\": \"implicit\"; or a drive by speeds",
+                );
+            }
+        }
+        let mut points: Vec<[f64; 2]> = Vec::new();
+        for (i, point) in s.torque.iter().enumerate() {
+            let at = |key: &str| format!("spinup.torque.{i}.{key}");
+            let (speed, torque) = (point.speed.0, point.torque.0);
+            self.within(&at("speed"), speed.abs(), 0.0, FASTEST)?;
+            self.within(&at("torque"), torque.abs(), 0.0, STRONGEST)?;
+            if let Some([before, _]) = points.last().filter(|before| before[0] >= speed) {
+                let allowed = format!("above {before} rad/s");
+                return self.fault(&at("speed"), "the speeds of the torque do not ascend", allowed);
+            }
+            points.push([speed, torque]);
+        }
+        Ok(points)
     }
 
     /// The node whose section the drive turns; it was given an element end.
@@ -187,10 +241,7 @@ impl Input<'_> {
     }
 
     /// A drive with speed needs an end that it turns, and none that stands still.
-    fn turning(&self, drive: &[Phase]) -> Result<()> {
-        if drive.iter().all(|p| p.speed == 0.0) {
-            return Ok(());
-        }
+    fn turning(&self) -> Result<()> {
         let still = self.case.supports.iter().position(|s| s.kind == Some(case::SupportKind::Clamped));
         if let Some(i) = still {
             return self.fault(
@@ -209,6 +260,11 @@ impl Input<'_> {
              rotor on bearings; or a revolute or cylindrical end that is driven; or speed 0",
         )
     }
+}
+
+/// True when a drive by speeds turns the shaft at some time.
+fn turns_at_all(drive: &[Phase]) -> bool {
+    drive.iter().any(|p| p.speed != 0.0)
 }
 
 /// Whether the rotation of a support's section follows the drive.
