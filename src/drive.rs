@@ -193,8 +193,7 @@ mod tests {
     #[test]
     fn speed_is_the_derivative_of_the_angle() {
         use Shape::{Cosine, Linear};
-        let phases =
-            [(0.5, 48.0, Cosine), (1.0, 48.0, Linear), (1.25, -72.0, Linear), (2.0, 10.0, Cosine)];
+        let phases = [(0.5, 48.0, Cosine), (1.0, 48.0, Linear), (1.25, -72.0, Linear), (2.0, 10.0, Cosine)];
         let phases = phases.map(|(until, speed, shape)| Phase { until, speed, shape });
         let mut drive = Drive::new(5.0, &phases);
         for k in 1..240 {

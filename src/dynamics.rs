@@ -514,9 +514,8 @@ impl<'a> Dynamics<'a> {
             return None;
         }
         let m = &self.memory;
-        let cross = |list: &[f64]| -> Vec<f64> {
-            list.chunks_exact(3).flat_map(|v| [0.0, -v[2], v[1]]).collect()
-        };
+        let cross =
+            |list: &[f64]| -> Vec<f64> { list.chunks_exact(3).flat_map(|v| [0.0, -v[2], v[1]]).collect() };
         let product = |list: &[f64]| {
             let mut image = vec![0.0; list.len()];
             self.mass.multiply(list, &mut image);
@@ -741,8 +740,11 @@ impl<'a> Dynamics<'a> {
         self.mass.multiply(&m.velocity, &mut m.inertia);
         let (sin, cos) = if self.frame == Frame::Rotating { turn.angle.sin_cos() } else { (0.0, 1.0) };
         let mut potential = 0.0;
-        for ((q, q0), f) in
-            m.position.chunks_exact(3).zip(self.reference.chunks_exact(3)).zip(self.loads.fixed().chunks_exact(3))
+        for ((q, q0), f) in m
+            .position
+            .chunks_exact(3)
+            .zip(self.reference.chunks_exact(3))
+            .zip(self.loads.fixed().chunks_exact(3))
         {
             let (y, z) = (cos * q[1] - sin * q[2], sin * q[1] + cos * q[2]);
             potential -= f[0] * (q[0] - q0[0]) + f[1] * (y - q0[1]) + f[2] * (z - q0[2]);

@@ -291,7 +291,12 @@ fn disk_vectors(model: &Model, numbering: &Numbering, disk: &Disk) -> [Vec<(usiz
 
 /// r, R r_,y and R r_,z of the mean affine motion of what is taken hold of at a node, as rows over the coordinates (first
 /// component).
-pub fn affine_rows(model: &Model, numbering: &Numbering, node: usize, acts_on: ActsOn) -> [Vec<(usize, f64)>; 3] {
+pub fn affine_rows(
+    model: &Model,
+    numbering: &Numbering,
+    node: usize,
+    acts_on: ActsOn,
+) -> [Vec<(usize, f64)>; 3] {
     let rows = match Region::new(model, node, acts_on) {
         Some(region) => region.affine(model.reference_length),
         None => [vec![1.0], vec![0.0, 1.0], vec![0.0, 0.0, 1.0]],

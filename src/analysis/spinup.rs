@@ -3,8 +3,8 @@
 //! The transient starts from static equilibrium under gravity and dead loads. Before it runs, the equilibrium of
 //! the balanced rotor at the highest speed is checked: beyond burst there is none.
 
-use super::equilibrium::{Balance, Equilibrium, NewtonSettings};
 use super::campbell::campbell;
+use super::equilibrium::{Balance, Equilibrium, NewtonSettings};
 use super::estimates::{refuse_dependent, refuse_tiny_bore, slow_remark};
 use super::growth::{basis_error, closed_form};
 use super::orbit::{self, Orbit};
@@ -21,10 +21,11 @@ use crate::error::{Error, Result};
 use crate::integrate::implicit::Scheme;
 use crate::integrate::{self, Flows, Method, Moment, Progress, Settings, Step};
 use crate::linalg::factor::Ldlt;
-use crate::loads::Which;
 use crate::linalg::sparse::{combine, symmetric_part};
+use crate::loads::Which;
 use crate::model::{
-    CampbellSettings, Form, Frame, Gyroscopic, Integrator, Law, Model, Reading, SpinupSettings, Traction, WhirlFrame,
+    CampbellSettings, Form, Frame, Gyroscopic, Integrator, Law, Model, Reading, SpinupSettings, Traction,
+    WhirlFrame,
 };
 use crate::results::{
     Diagnostic, EnergyBalance, Extremes, History, IntegratorSummary, OrbitSummary, SpinState, Spinup,
@@ -253,18 +254,16 @@ fn steady(
     if assembly.has_material_damping() || model.bearings.iter().any(|b| b.damping != [[0.0; 2]; 2]) {
         summary.modelled.push("damping of bearings, of space and of the material".to_owned());
     }
-    summary.left_out.push(format!("time: the {} at the last speed only", if results.orbit.is_some() { "periodic motion" } else { "equilibrium" }));
+    summary.left_out.push(format!(
+        "time: the {} at the last speed only",
+        if results.orbit.is_some() { "periodic motion" } else { "equilibrium" }
+    ));
     stability(model, speed, &mut summary, &mut diagnostics);
     Ok(Outcome { results, model: summary, diagnostics })
 }
 
 /// A periodic motion over one turn of the shaft.
-fn one_turn(
-    assembly: &Assembly<'_>,
-    settings: &SpinupSettings,
-    speed: f64,
-    orbit: &Orbit,
-) -> Result<Spinup> {
+fn one_turn(assembly: &Assembly<'_>, settings: &SpinupSettings, speed: f64, orbit: &Orbit) -> Result<Spinup> {
     let period = 2.0 * PI / speed.abs();
     let mut dynamics = Dynamics::new(assembly, Drive::constant(speed), Frame::Rotating)?;
     let moment = |t: f64| {
@@ -345,7 +344,9 @@ fn stability(
                     ),
                 ));
             } else {
-                summary.modelled.push("stability of small motions: no root with a positive real part".to_owned());
+                summary
+                    .modelled
+                    .push("stability of small motions: no root with a positive real part".to_owned());
             }
         }
         Err(error) => {
@@ -756,8 +757,12 @@ impl<'a> Recorder<'a> {
         let lost = flows.drive + flows.loads - change - material - external - bearings - friction;
         let e = &self.history.energy_j;
         let works = [&state.kinetic, &state.strain, &flows.drive, &flows.loads];
-        let scale =
-            e.kinetic.iter().chain(&e.strain).chain(works).fold(f64::MIN_POSITIVE, |m: f64, e| m.max(e.abs()));
+        let scale = e
+            .kinetic
+            .iter()
+            .chain(&e.strain)
+            .chain(works)
+            .fold(f64::MIN_POSITIVE, |m: f64, e| m.max(e.abs()));
         let results = Spinup {
             complete,
             last: spin_state(self.assembly, &q, Some(t), dynamics.drive.at(t).speed),

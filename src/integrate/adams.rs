@@ -234,7 +234,7 @@ impl Run {
             self.last[i] += self.next.v[i];
             self.last[n + i] += self.next.a[i];
         }
-        self.errors = self.estimate(h, settings.tolerance(dynamics, &self.now));
+        self.errors = self.estimate(h, settings.step_tolerance(dynamics, &self.now, h));
         if self.errors.own <= 1.0 {
             let g = h * self.g[k];
             for i in 0..n {

@@ -263,7 +263,7 @@ impl Run {
 
     /// Tries a step; its error over the tolerance, or nothing when Newton's method failed.
     fn step(&mut self, dynamics: &mut Dynamics<'_>, h: f64, settings: &Settings) -> Result<Option<f64>> {
-        let tolerance = settings.tolerance(dynamics, &self.now);
+        let tolerance = settings.step_tolerance(dynamics, &self.now, h);
         let angle = settings.rtol;
         match self.scheme {
             Scheme::Esdirk => self.esdirk(dynamics, h, [tolerance, angle]),
@@ -273,7 +273,12 @@ impl Run {
         }
     }
 
-    fn esdirk(&mut self, dynamics: &mut Dynamics<'_>, h: f64, [tolerance, angle]: [f64; 2]) -> Result<Option<f64>> {
+    fn esdirk(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        h: f64,
+        [tolerance, angle]: [f64; 2],
+    ) -> Result<Option<f64>> {
         let n = self.x.len();
         let g = GAMMA * h;
         let (t0, now) = (self.now.t, &self.now);

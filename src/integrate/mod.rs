@@ -6,8 +6,11 @@ pub mod implicit;
 use crate::drive::quintic;
 use crate::dynamics::{Dynamics, Powers};
 use crate::error::{Error, Result};
+use crate::model::Frame;
 use std::ops::ControlFlow;
 
+/// Share of the tolerance below which it does not fall.
+const LEAST_TURN: f64 = 1e-3;
 /// Steps after which the number still needed is estimated.
 const SETTLED: usize = 200;
 /// Times that a step is cut at a ring before the ring acts from its start.
@@ -47,6 +50,16 @@ impl Settings {
     /// Tolerance of a step from a state, m: relative to the displacement from where the drive carries the undeformed shaft.
     fn tolerance(&self, dynamics: &Dynamics<'_>, now: &Moment) -> f64 {
         self.atol + self.rtol * dynamics.largest_displacement(now.t, &now.z)
+    }
+}
+
+impl Settings {
+    /// Tolerance of a step of length h. In the inertial frame the rotation itself is integrated, by many more steps than the
+    /// vibration asks for: their errors add up, so each has its share per radian turned.
+    fn step_tolerance(&self, dynamics: &Dynamics<'_>, now: &Moment, h: f64) -> f64 {
+        let turned = dynamics.drive.at(now.t + h).angle - dynamics.drive.at(now.t).angle;
+        let share = if dynamics.frame == Frame::Inertial { turned.abs().clamp(LEAST_TURN, 1.0) } else { 1.0 };
+        self.tolerance(dynamics, now) * share
     }
 }
 

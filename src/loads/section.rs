@@ -12,7 +12,7 @@
 
 use super::Turned;
 use crate::model::{Load, LoadKind, Model, Reading};
-use crate::support::{Contribution, Numbering, Region, displacement_weights, affine_rows};
+use crate::support::{Contribution, Numbering, Region, affine_rows, displacement_weights};
 use faer::Mat;
 use nalgebra::{SMatrix, SVector};
 use num_dual::{DualNum, jacobian};

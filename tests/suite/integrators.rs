@@ -43,7 +43,7 @@ fn soft(more: Value) -> LoadedCase {
 /// Displacements and velocities at the end of the run-up from the undeformed state, and the steps.
 fn end(model: &Model, frame: Frame, method: Method, tolerance: f64) -> (Vec<f64>, Progress) {
     let (assembly, settings) = (Assembly::new(model), model.spinup.as_ref().expect("spinup"));
-    let drive = Drive::new(&settings.drive);
+    let drive = Drive::of(settings);
     let mut dynamics = Dynamics::new(&assembly, drive, frame).unwrap_or_else(|e| panic!("{e}"));
     let n = assembly.size();
     let mut start = Moment { t: 0.0, z: vec![0.0; n], v: vec![0.0; n], a: vec![0.0; n] };
@@ -81,7 +81,7 @@ impl System<f64, DVector<f64>> for FirstOrder<'_, '_> {
 
 fn oracle(model: &Model, frame: Frame) -> Vec<f64> {
     let (assembly, settings) = (Assembly::new(model), model.spinup.as_ref().expect("spinup"));
-    let drive = Drive::new(&settings.drive);
+    let drive = Drive::of(settings);
     let dynamics = RefCell::new(Dynamics::new(&assembly, drive, frame).unwrap_or_else(|e| panic!("{e}")));
     let y = DVector::zeros(2 * assembly.size());
     let (rtol, atol, most) = (1e-10, 1e-12, 1_000_000);

@@ -103,9 +103,7 @@ fn a_moment_bends_alike_on_all_meshes() {
         let set = json!({ "shaft.segments": segments, "loads": [{ "at": 1, "moment": m }], "static.load_steps": 4 });
         displacement(&solve(&cantilever(r, 8, "34X3", set)), "axis")
     };
-    let part = |length: f64, elements: usize| {
-        json!({ "length": length, "elements": elements, "section": "s", "material": "m" })
-    };
+    let part = |length: f64, elements: usize| json!({ "length": length, "elements": elements, "section": "s", "material": "m" });
     let arc = [1.0_f64.sin() - 1.0, 1.0 - 1.0_f64.cos()];
     for segments in [
         json!([part(1.0, 10)]),
@@ -261,11 +259,17 @@ fn power_of_loads_on_rigid_motions() {
 /// A rim under pressure shrinks as a long body does, however it turns: `(1 - nu) p R / E` at the rim, stretching by `2 nu p / E`.
 #[test]
 fn pressure_turns_with_the_surface() {
-    let found = run(&with(&fieldtest("pressure_on_turning_rim"), json!({ "spinup.rtol": 1e-6, "spinup.atol": 1e-12 })));
+    let found = run(&with(
+        &fieldtest("pressure_on_turning_rim"),
+        json!({ "spinup.rtol": 1e-6, "spinup.atol": 1e-12 }),
+    ));
     let history = found.history.as_ref().expect("history");
     let right = -0.7 * 1e7 * 0.02 / E;
     for (growth, t) in history.growth_m.iter().zip(&history.time_s) {
-        assert!((growth[0] / right - 1.0).abs() < 2e-3 && (growth[1] / right - 1.0).abs() < 2e-3, "{t}: {growth:?} {right}");
+        assert!(
+            (growth[0] / right - 1.0).abs() < 2e-3 && (growth[1] / right - 1.0).abs() < 2e-3,
+            "{t}: {growth:?} {right}"
+        );
     }
     // J alpha: the largest acceleration of a half cosine is pi / 2 times the mean
     let inertia = 7800.0 * PI * 0.02_f64.powi(4) / 2.0 * 0.5;
@@ -302,7 +306,11 @@ fn a_load_torque_is_met_by_the_drive() {
     for (k, t) in history.time_s.iter().enumerate() {
         let alpha = if *t < 0.5 { 100.0 / 0.5 * PI / 2.0 * (PI * t / 0.5).sin() } else { 0.0 };
         let right = 40.0 + inertia * alpha;
-        assert!((history.drive_torque_n_m[k] - right).abs() < 0.02 * right, "{t}: {} {right}", history.drive_torque_n_m[k]);
+        assert!(
+            (history.drive_torque_n_m[k] - right).abs() < 0.02 * right,
+            "{t}: {} {right}",
+            history.drive_torque_n_m[k]
+        );
         let power = history.load_power_w["loads.0"][k];
         assert!((power + 40.0 * history.speed_rad_s[k]).abs() < 2.0, "{t}: {power}");
     }

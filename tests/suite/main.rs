@@ -14,6 +14,7 @@ mod convergence_figure;
 mod decay;
 mod detect;
 mod disks;
+mod drives;
 mod element;
 mod frames;
 mod golden;

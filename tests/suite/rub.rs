@@ -273,9 +273,8 @@ fn the_newton_matrix_knows_the_ring() {
         let mut stators = settings.stators.clone();
         stators[0].friction = friction;
         let assembly = Assembly::new(&model);
-        let mut dynamics =
-            Dynamics::new(&assembly, Drive::new(&settings.drive), Frame::Rotating).expect("dynamics");
-        dynamics.surround(&stators);
+        let mut dynamics = Dynamics::new(&assembly, Drive::of(settings), Frame::Rotating).expect("dynamics");
+        dynamics.surround(&stators, settings.largest_speed());
         let n = assembly.size();
         let mut start = Moment { t: 0.0, z: vec![0.0; n], v: vec![0.0; n], a: vec![0.0; n] };
         let rest = start.clone();

@@ -344,7 +344,8 @@ fn the_headline_is_clear_of_hubs_on_long_elements() {
             "disks": [{ "at": 3.0, "mass": 70, "polar_inertia": 2.0, "diametral_inertia": 1.0 }],
             "spinup": { "drive": [{ "until": 1, "speed": 60 }], "steady": true }
         });
-        let last = run(&shaft(json!({ "shape": "circle", "radius": 0.05 }), 6.0, elements, more)).results.last;
+        let last =
+            run(&shaft(json!({ "shape": "circle", "radius": 0.05 }), 6.0, elements, more)).results.last;
         let exact = last.closed_form_growth_m.expect("circle");
         let error = last.growth_m[0] / exact - 1.0;
         assert!(last.growth_is_clear && error.abs() < 3e-3, "{elements}: {error:e} at {}", last.growth_at_m);

@@ -144,9 +144,7 @@ fn a_force_in_space_bends_a_turning_shaft_as_at_rest() {
         assert!(spread < 2e-3 * history[0][1], "{element}: {spread} of {}", history[0][1]);
         history[0][1]
     };
-    let part = |length: f64, elements: usize| {
-        json!({ "length": length, "elements": elements, "section": "s", "material": "m" })
-    };
+    let part = |length: f64, elements: usize| json!({ "length": length, "elements": elements, "section": "s", "material": "m" });
     // both ends keep their planes: F L^3 / (192 E I), and shear
     let stiffness = 2.1e11 * std::f64::consts::PI * r.powi(4) / 4.0;
     let slender = load * length.powi(3) / (192.0 * stiffness);
@@ -176,8 +174,7 @@ fn external_damping_holds_an_orbit() {
     let more = json!({ "materials.light.rho": 300, "materials.light.damping": { "mass": alpha } });
     let found = run(&jeffcott(even, [[0.0; 2]; 2], speed, more)).results;
     let shaft = 300.0 * std::f64::consts::PI * 0.05 * 0.05 * 0.4;
-    let dynamic =
-        Complex::new(STIFFNESS - (MASS + shaft) * speed * speed, alpha * shaft * speed);
+    let dynamic = Complex::new(STIFFNESS - (MASS + shaft) * speed * speed, alpha * shaft * speed);
     let right = MASS * ECCENTRICITY * speed * speed / dynamic.norm();
     assert!((radius(&found) / right - 1.0).abs() < 1e-3, "{} {right}", radius(&found));
 }
@@ -186,9 +183,7 @@ fn external_damping_holds_an_orbit() {
 #[test]
 fn orbits_do_not_change_with_the_mesh() {
     let even = [[STIFFNESS, 0.0], [0.0, STIFFNESS]];
-    let part = |length: f64, elements: usize| {
-        json!({ "length": length, "elements": elements, "section": "shaft", "material": "light" })
-    };
+    let part = |length: f64, elements: usize| json!({ "length": length, "elements": elements, "section": "shaft", "material": "light" });
     let right = MASS * ECCENTRICITY * 90.0 * 90.0 / Complex::new(STIFFNESS - 8100.0, 900.0).norm();
     for (segments, element) in [
         (json!([part(0.4, 10)]), "34X3"),

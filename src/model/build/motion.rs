@@ -91,7 +91,11 @@ impl Input<'_> {
             self.turning()?;
         }
         if !torque.is_empty() && s.until.is_none() {
-            return self.fault(&at("torque"), "a torque has no end of its own", "\"until\": the end of the simulation");
+            return self.fault(
+                &at("torque"),
+                "a torque has no end of its own",
+                "\"until\": the end of the simulation",
+            );
         }
         let until = self.positive(&at("until"), s.until.map_or(before, |t| t.0))?;
         self.within(&at("until"), until, 1e-12, LONGEST)?;
