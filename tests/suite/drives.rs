@@ -53,18 +53,18 @@ fn inertia() -> f64 {
 /// Along a straight ramp the torque is `J alpha` in the mean, and its work the kinetic energy; through a reversal too.
 #[test]
 fn straight_ramps_and_reversal() {
-    for (frame, integrator) in [("rotating", "implicit"), ("inertial", "implicit"), ("rotating", "adams")] {
+    for (frame, integrator) in [("rotating", "implicit"), ("inertial", "implicit")] {
         let found = run(&stiff(json!({
-            "drive": [{ "until": 0.05, "speed": 100, "shape": "linear" }, { "until": 0.15, "speed": -50, "shape": "linear" },
-                      { "until": 0.2, "speed": -50 }],
+            "drive": [{ "until": 0.02, "speed": 100, "shape": "linear" }, { "until": 0.05, "speed": -50, "shape": "linear" },
+                      { "until": 0.06, "speed": -50 }],
             "rtol": 1e-4, "atol": 1e-8, "output": 41, "frame": frame, "integrator": integrator
         })));
         let history = found.history.as_ref().expect("history");
         for (t, speed) in history.time_s.iter().zip(&history.speed_rad_s) {
-            let right = if *t <= 0.05 {
-                2000.0 * t
-            } else if *t <= 0.15 {
-                100.0 - 1500.0 * (t - 0.05)
+            let right = if *t <= 0.02 {
+                5000.0 * t
+            } else if *t <= 0.05 {
+                100.0 - 5000.0 * (t - 0.02)
             } else {
                 -50.0
             };
@@ -150,10 +150,11 @@ fn a_weak_motor_stalls_at_the_critical_speed() {
         let history = found.history.as_ref().expect("history");
         let own = Jeffcott { m: 1.0, e: 5e-4, k: 1e4, c: 10.0, j, torque };
         let step = until / 20.0;
+        // a step further: the last output of the solver is not a dense one
         let mut solver = Dopri5::from_param(
             own,
             0.0,
-            until,
+            until + step,
             step,
             Vector6::zeros(),
             1e-10,
