@@ -502,7 +502,7 @@ fn summary(model: &Model, assembly: &Assembly<'_>, dynamics: &Dynamics<'_>) -> c
     };
     say(true, "inertia with Coriolis and centrifugal effects, exact", "");
     say(model.has_gravity(), "gravity", "none given");
-    say(model.has_loads(), "loads", "none given");
+    say(model.has_loads(), if model.has_loads() { "loads" } else { "dead loads" }, "none given");
     say(model.disks.iter().any(|d| d.offset != [0.0; 2]), "unbalance of disk offsets", "no offsets");
     say(dynamics.is_viscous(), "material damping (Kelvin-Voigt)", "none given");
     say(model.materials.iter().any(|m| m.mass_damping != 0.0), "external damping", "none given");

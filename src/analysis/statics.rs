@@ -75,11 +75,12 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
         summary.modelled.push("gravity".to_owned());
     }
     if model.has_loads() {
-        summary.modelled.push(format!(
-            "{} point loads and {} surface loads",
-            model.loads.len(),
-            model.tractions.len()
-        ));
+        let (points, surfaces) = (model.loads.len(), model.tractions.len());
+        summary.modelled.push(if balance.loads.depend_on_place() {
+            format!("{points} point loads and {surfaces} on surfaces, where the shaft is")
+        } else {
+            format!("{points} point loads and {surfaces} surface tractions, dead")
+        });
     }
     summary.left_out.push("inertia, spin and damping: a static analysis".to_owned());
     let results = Static {

@@ -231,7 +231,7 @@ fn every_fault_names_path_value_and_remedy() {
             "loads",
             json!([{ "surface": "top", "pressure": 1, "follower": false }]),
             "loads.0.follower",
-            &["not part of this version", "false"],
+            &["surface as it is now", "dead"],
         ),
         ("loads", json!([{ "surface": "top" }]), "loads.0", &["incomplete or mixed"]),
         ("loads", json!([{ "force": [0, 1, 0] }]), "loads.0.at", &["acts at a place"]),

@@ -363,3 +363,43 @@ fn loads_that_do_not_fit_a_turning_shaft_are_refused() {
     let text = wrong(json!({ "at": 1, "force": [0, 1, 0], "dead": true }));
     assert!(text.contains("loads.0.dead"), "{text}");
 }
+
+/// Pressure and traction over meshes of 10 to 320 elements, beside a neighbour 1000 times shorter and in other members: a rim
+/// under pressure shrinks by `(1 - nu) p R / E`, a rim pulled along x lengthens by `t L^2 / (R E)`.
+#[test]
+fn surface_loads_do_not_change_with_the_mesh() {
+    let (r, length, p) = (0.02, 0.5, 1e7);
+    let part = |length: f64, elements: usize| {
+        json!({ "length": length, "elements": elements, "section": "s", "material": "m" })
+    };
+    let short = json!([part(0.25, 5), part(5e-5, 1), part(0.24995, 5)]);
+    for (segments, element) in [
+        (json!([part(length, 10)]), "34X3"),
+        (json!([part(length, 80)]), "34X3"),
+        (json!([part(length, 320)]), "34X3"),
+        (short, "34X3"),
+        (json!([part(length, 20)]), "34X2"),
+        (json!([part(length, 20)]), "34X5"),
+    ] {
+        let base = shaft(
+            json!({ "shape": "circle", "radius": r }),
+            length,
+            2,
+            json!({
+                "supports": [{ "at": 0, "kind": "clamped" }],
+                "probes": [{ "name": "rim", "at": 0.2, "y": r }, { "name": "end", "at": length, "y": 0 }]
+            }),
+        );
+        let case = with(&base, json!({ "shaft.segments": segments, "shaft.element": element }));
+        let under = |load: Value| solve(&with(&case, json!({ "loads": [load] })));
+        let shrunk = displacement(&under(json!({ "surface": "rim", "pressure": p })), "rim")[1];
+        let right = -0.7 * p * r / E;
+        assert!((shrunk / right - 1.0).abs() < 1e-3, "{element} {segments}: {shrunk} {right}");
+        for follower in [false, true] {
+            let pull = json!({ "surface": "rim", "traction": [1e5, 0, 0], "follower": follower });
+            let longer = displacement(&under(pull), "end")[0];
+            let right = 1e5 * length * length / (r * E);
+            assert!((longer / right - 1.0).abs() < 2e-3, "{element} {segments}: {longer} {right}");
+        }
+    }
+}
