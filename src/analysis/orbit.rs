@@ -32,8 +32,11 @@ const SETTLED: f64 = 1e-9;
 const ACCEPTED: f64 = 1e-3;
 /// Relative correction at which Newton's iteration ends.
 const DONE: f64 = 1e-12;
+/// Shortest share of a correction that is gone, and relative size of one that is gone wholly.
+const SHORTEST: f64 = 1e-3;
+const SMALL: f64 = 1e-6;
 /// Most Newton iterations.
-const ITERATIONS: usize = 40;
+const ITERATIONS: usize = 60;
 /// Convergence rate from which a fresh matrix is worth its price.
 const SLOW: f64 = 0.2;
 
@@ -95,11 +98,11 @@ fn uneven([[yy, yz], [zy, zz]]: [[f64; 2]; 2]) -> [f64; 2] {
     [told((yy - zz) / 2.0), told((yz + zy) / 2.0)]
 }
 
-/// Solves for the periodic motion at a speed (rad/s).
+/// Solves for the periodic motion at a speed (rad/s), from a mean position or from the undeformed shaft.
 ///
 /// # Errors
 /// An element without nonlinear form, a Newton iteration that does not converge, or harmonics that do not settle.
-pub fn periodic(assembly: &Assembly<'_>, speed: f64) -> Result<Orbit> {
+pub fn periodic(assembly: &Assembly<'_>, speed: f64, start: Option<Vec<f64>>) -> Result<Orbit> {
     let mut dynamics = Dynamics::new(assembly, Drive::constant(speed), Frame::Rotating)?;
     let system = System::new(assembly, speed)?;
     let mut orbit = Orbit {
@@ -108,6 +111,9 @@ pub fn periodic(assembly: &Assembly<'_>, speed: f64) -> Result<Orbit> {
         iterations: 0,
         coefficients: vec![vec![0.0; assembly.size()]; 2 * FIRST + 1],
     };
+    if let Some(mean) = start {
+        orbit.coefficients[0] = mean;
+    }
     system.solve(&mut dynamics, &mut orbit)?;
     while orbit.harmonics < MOST {
         let before = orbit.coefficients.clone();
@@ -209,10 +215,7 @@ impl<'a> System<'a> {
             };
             let correction = lu.solve(&residual)?;
             change = largest(correction.iter().copied());
-            let n = self.assembly.size();
-            for (k, coefficient) in orbit.coefficients.iter_mut().enumerate() {
-                coefficient.iter_mut().zip(&correction[k * n..]).for_each(|(c, d)| *c -= d);
-            }
+            let whole = self.step(dynamics, orbit, &residual, &correction);
             size = largest(orbit.coefficients.iter().flatten().copied());
             if !change.is_finite() || !size.is_finite() {
                 break;
@@ -221,7 +224,7 @@ impl<'a> System<'a> {
                 return Ok(());
             }
             // a matrix that serves is kept
-            factor = (change < SLOW * previous && previous.is_finite()).then_some(lu);
+            factor = (whole && change < SLOW * previous && previous.is_finite()).then_some(lu);
             previous = change;
         }
         Err(Error::analysis(
@@ -233,6 +236,37 @@ impl<'a> System<'a> {
             ),
             "more damping, another speed, or the transient: leave out `spinup.steady`",
         ))
+    }
+
+    /// Goes along a correction as far as the work of the forces out of balance along it falls; true for the whole way.
+    fn step(
+        &self,
+        dynamics: &mut Dynamics<'_>,
+        orbit: &mut Orbit,
+        residual: &[f64],
+        correction: &[f64],
+    ) -> bool {
+        let n = self.assembly.size();
+        let start = orbit.coefficients.clone();
+        let work = |force: &[f64]| force.iter().zip(correction).map(|(f, d)| f * d).sum::<f64>().abs();
+        let before = work(residual);
+        let mut share = 1.0;
+        loop {
+            for ((coefficient, start), d) in
+                orbit.coefficients.iter_mut().zip(&start).zip(correction.chunks_exact(n))
+            {
+                coefficient.iter_mut().zip(start).zip(d).for_each(|((c, s), d)| *c = s - share * d);
+            }
+            let size = largest(orbit.coefficients.iter().flatten().copied());
+            if share < SHORTEST || largest(correction.iter().copied()) <= SMALL * size {
+                return share == 1.0;
+            }
+            let after = work(&self.residual(dynamics, orbit));
+            if after.is_finite() && after <= 0.9 * before {
+                return share == 1.0;
+            }
+            share /= 2.0;
+        }
     }
 
     /// The parts of the forces out of balance along every function.

@@ -242,7 +242,10 @@ fn steady(
             orbit: None,
         }
     } else {
-        let orbit = orbit::periodic(assembly, speed)?;
+        // what is constant in the turning frame is a good start, where bearings let it stand
+        let balance = Balance::new(assembly, Which::ConstantInTurningFrame, speed)?;
+        let start = balance.solve(NEWTON, None).ok().filter(|state| state.load_factor == 1.0);
+        let orbit = orbit::periodic(assembly, speed, start.map(|state| state.z))?;
         summary.modelled.push(format!(
             "what is fixed in space, in a periodic motion of {} harmonics (harmonic balance, truncation {:.1e})",
             orbit.harmonics, orbit.truncation
@@ -284,7 +287,13 @@ fn one_turn(assembly: &Assembly<'_>, settings: &SpinupSettings, speed: f64, orbi
         let half = period / TURN as f64 / 2.0;
         flows = flows.plus(half, before).plus(half, power);
         before = power;
+        let torque = dynamics.powers.torque.abs();
+        if torque > recorder.extremes.torque_n_m {
+            (recorder.extremes.torque_n_m, recorder.extremes.torque_time_s) = (torque, end.t);
+        }
         recorder.sample(&mut dynamics, end.t, &end.z, &end.v, &end.a, flows);
+        let [_, y, z] = recorder.extreme(&dynamics, end.t, &end.z);
+        recorder.draw(&dynamics, end.t, [y, z]);
     }
     recorder.last = (end, flows);
     let (results, _) = recorder.results(&mut dynamics, true);

@@ -162,7 +162,7 @@ fn run(report: &Report<Spinup>, h: &History) -> Result<String> {
     figure(
         &Surroundings::new(
             report,
-            "Run-up",
+            if report.results.orbit.is_some() { "Steady state over one turn" } else { "Run-up" },
             format!("Growth of the section at {:.4} m.", report.results.last.growth_at_m),
         ),
         &panels,

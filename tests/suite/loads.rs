@@ -369,9 +369,7 @@ fn loads_that_do_not_fit_a_turning_shaft_are_refused() {
 #[test]
 fn surface_loads_do_not_change_with_the_mesh() {
     let (r, length, p) = (0.02, 0.5, 1e7);
-    let part = |length: f64, elements: usize| {
-        json!({ "length": length, "elements": elements, "section": "s", "material": "m" })
-    };
+    let part = |length: f64, elements: usize| json!({ "length": length, "elements": elements, "section": "s", "material": "m" });
     let short = json!([part(0.25, 5), part(5e-5, 1), part(0.24995, 5)]);
     for (segments, element) in [
         (json!([part(length, 10)]), "34X3"),
