@@ -36,12 +36,11 @@ const POSITIVE: [(&str, &[&str]); 13] = [
 ];
 
 /// Zero or more.
-const NOT_NEGATIVE: [(&str, &[&str]); 7] = [
+const NOT_NEGATIVE: [(&str, &[&str]); 6] = [
     ("MaterialDamping", &["stiffness", "mass"]),
     ("Section", &["inner_radius", "inner_diameter", "inner_semi_axis_y", "inner_semi_axis_z"]),
     ("Disk", &["polar_inertia", "diametral_inertia", "inner_radius", "inner_diameter"]),
     ("SpeedRange", &["from"]),
-    ("DrivePhase", &["speed"]),
     ("Stator", &["friction"]),
     ("Expected", &["rtol", "atol"]),
 ];
@@ -98,6 +97,8 @@ pub fn schema() -> Value {
     set(&mut schema, "Statics", "tolerance", "exclusiveMaximum", json!(1e-2));
     set(&mut schema, "Shaft", "segments", "minItems", 1.into());
     set(&mut schema, "Spinup", "drive", "minItems", 1.into());
+    set(&mut schema, "Spinup", "torque", "minItems", 1.into());
+    add(&mut schema, "Spinup", "oneOf", json!([{ "required": ["drive"] }, { "required": ["torque"] }]));
     for (definition, key) in [("Body", "start"), ("Body", "velocity"), ("BodyLoad", "force")] {
         set(&mut schema, definition, key, "minItems", 2.into());
         set(&mut schema, definition, key, "maxItems", 3.into());
