@@ -19,6 +19,7 @@ use crate::model::{Element, Model, Probe, SupportKind};
 use crate::results::{SectionForces, SupportForces};
 use crate::support::{axis_rows, bearing_rows};
 use nalgebra::Vector3;
+use std::collections::BTreeMap;
 
 /// A sum over vectors: first coordinate and weight of each.
 type Row = Vec<(usize, f64)>;
@@ -53,16 +54,18 @@ impl<'a> ForceReader<'a> {
     pub fn supports(&self, acting: &Acting) -> SupportForces<[f64; 3]> {
         let model = self.assembly.model;
         let mut found = SupportForces::default();
+        let nodes = self.held(acting);
         for support in &model.supports {
-            let all = self.at_node(support.node, acting, &acting.held);
-            let all = all.about(self.centre(support.node, acting)).in_space(acting.axes);
-            let [x, y, z] = all.moment.into();
+            let all =
+                nodes.iter().find(|(node, _)| *node == support.node).map_or_else(Resultant::default, |n| n.1);
+            let all = all.in_space(acting.axes);
+            let ([x, y, z], force) = (all.moment.into(), all.force.into());
             // a drive beside a support takes the torque and nothing else
             let shared = model.supports.iter().filter(|s| s.node == support.node).count() > 1;
             let (force, moment) = match (shared, support.kind == SupportKind::Turned) {
-                (false, _) => (all.force.into(), [x, y, z]),
+                (false, _) => (force, [x, y, z]),
                 (true, true) => ([0.0; 3], [x, 0.0, 0.0]),
-                (true, false) => (all.force.into(), [0.0, y, z]),
+                (true, false) => (force, [0.0, y, z]),
             };
             found.forces_n.insert(support.path.clone(), force);
             found.moments_n_m.insert(support.path.clone(), moment);
@@ -83,22 +86,51 @@ impl<'a> ForceReader<'a> {
         found
     }
 
+    /// Force and moment about the axis' point at every node that supports hold, from left to right, in the axes of the frame: what
+    /// they can exert; the rest is what a solution leaves out of balance. The only node that holds rotation takes the torque that
+    /// the whole shaft lacks: between the steps of an integrator stresses at one node are far less exact than inertia.
+    fn held(&self, acting: &Acting) -> Vec<(usize, Resultant)> {
+        let mut nodes: BTreeMap<usize, Holds> = BTreeMap::new();
+        for support in &self.assembly.model.supports {
+            let (all, one) = (nodes.entry(support.node).or_default(), holds(&support.kind));
+            all.along |= one.along;
+            all.across |= one.across;
+            all.torque |= one.torque;
+            all.tilt |= one.tilt;
+        }
+        let one = |(&node, holds): (&usize, &Holds)| {
+            let all = self.at_node(node, acting, &acting.held).about(self.centre(node, acting));
+            let told = |v: Vector3<f64>, along: bool, across: bool| {
+                v.component_mul(&Vector3::new(along, across, across).map(f64::from))
+            };
+            let force = told(all.force, holds.along, holds.across);
+            (node, Resultant { force, moment: told(all.moment, holds.torque, holds.tilt) })
+        };
+        let mut list: Vec<(usize, Resultant)> = nodes.iter().map(one).collect();
+        let holders: Vec<usize> = (0..list.len()).filter(|i| nodes[&list[*i].0].torque).collect();
+        if let [only] = holders[..] {
+            let all = 0..self.assembly.model.nodes.len();
+            let whole: f64 = all.map(|node| self.at_node(node, acting, &acting.held).moment.x).sum();
+            let levers = list.iter().map(|(node, held)| self.centre(*node, acting).cross(&held.force).x);
+            list[only].1.moment.x = whole - levers.sum::<f64>();
+        }
+        list
+    }
+
     /// What passes through the left and the right end of every element, just inside, in fixed directions; moments are about
     /// the axis' point.
     fn cuts(&self, acting: &Acting) -> Vec<[Resultant; 2]> {
         let model = self.assembly.model;
-        let mut held = vec![false; model.nodes.len()];
-        model.supports.iter().for_each(|s| held[s.node] = true);
+        let held = self.held(acting);
         // what acts from each node on
         let mut beyond = vec![Resultant::default(); model.nodes.len() + 1];
         for node in (0..model.nodes.len()).rev() {
-            let mut here = self.at_node(node, acting, &acting.outer);
-            if held[node] {
-                here += self.at_node(node, acting, &acting.held);
+            beyond[node] = beyond[node + 1] + self.at_node(node, acting, &acting.outer);
+            if let Some((_, held)) = held.iter().find(|(other, _)| *other == node) {
+                beyond[node] += held.about(-self.centre(node, acting));
             }
-            beyond[node] = beyond[node + 1] + here;
         }
-        let first = held.iter().position(|held| *held).unwrap_or(0);
+        let first = held.first().map_or(0, |(node, _)| *node);
         let mut work = vec![0.0; acting.position.len()];
         let one = |(index, e): (usize, &Element)| {
             let (left, right) = (e.first_node, e.first_node + e.kind.axial_degree);
@@ -197,6 +229,40 @@ pub fn probe_section(model: &Model, probe: &Probe) -> (usize, usize, f64) {
     let index = model.elements.iter().position(|other| std::ptr::eq(other, e)).unwrap_or(0);
     let end = usize::from(probe.x - e.x > e.length / 2.0);
     (index, end, e.x + end as f64 * e.length)
+}
+
+/// What a support can exert on its section.
+#[derive(Default)]
+struct Holds {
+    /// A force along x.
+    along: bool,
+    /// A force across it.
+    across: bool,
+    /// A moment about x.
+    torque: bool,
+    /// A moment across it.
+    tilt: bool,
+}
+
+fn holds(kind: &SupportKind) -> Holds {
+    let of = |along, across, torque, tilt| Holds { along, across, torque, tilt };
+    match kind {
+        SupportKind::Clamped(_) => of(true, true, true, true),
+        SupportKind::Revolute { driven, .. } => of(true, true, *driven, true),
+        SupportKind::Cylindrical { driven, .. } => of(false, true, *driven, true),
+        SupportKind::Pinned(_) => of(true, true, false, false),
+        SupportKind::Roller(_) => of(false, true, false, false),
+        SupportKind::Turned => of(false, false, true, false),
+        SupportKind::Fix(components) => {
+            let any = |of: &dyn Fn(usize, usize) -> bool| components.iter().any(|&(vector, c)| of(vector, c));
+            of(
+                any(&|vector, c| vector == 0 && c == 0),
+                any(&|vector, c| vector == 0 && c > 0),
+                any(&|vector, c| vector > 0 && c > 0),
+                any(&|vector, c| vector > 0 && c == 0),
+            )
+        }
+    }
 }
 
 fn vector(list: &[f64], at: usize) -> Vector3<f64> {

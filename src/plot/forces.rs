@@ -1,12 +1,12 @@
 //! forces.svg: what passes through a shaft in one state, or what its supports, bearings and rings do over time.
 
 use super::panels::{Curve, Panel, STROKES, Surroundings, figure};
-use super::style::Stroke;
+use super::style::{Stroke, significant};
 use crate::error::Result;
 use crate::results::{History, Report, SectionForces, Spinup, SupportForces};
 
 /// Share of the largest force, or of the moment it makes over the shaft's length, below which there is nothing to show.
-const SEEN: f64 = 1e-9;
+const SEEN: f64 = 1e-6;
 
 /// A figure as `(file name, SVG text)`, where there is anything to show.
 type Figure = Option<(String, String)>;
@@ -66,7 +66,9 @@ pub fn over_time(report: &Report<Spinup>, h: &History) -> Result<Figure> {
     let panel = |(up, map, of): (_, &std::collections::BTreeMap<String, Vec<[f64; 3]>>, _)| {
         let of: &dyn Fn(&[f64; 3]) -> f64 = of;
         let curve = |(k, (path, values)): (usize, (&String, &Vec<[f64; 3]>))| Curve {
-            name: at_m.get(path).map_or_else(|| path.clone(), |x| format!("{path} at {x} m")),
+            name: at_m
+                .get(path)
+                .map_or_else(|| path.clone(), |x| format!("{path} at {} m", significant(*x, 4))),
             stroke: Stroke { width: 1.2, ..STROKES[k % STROKES.len()] },
             points: h.time_s.iter().copied().zip(values.iter().map(of)).collect(),
         };
@@ -77,14 +79,17 @@ pub fn over_time(report: &Report<Spinup>, h: &History) -> Result<Figure> {
             ..Panel::default()
         }
     };
-    let panels = list.map(panel);
-    let size = |panel: &Panel| {
-        let points = panel.curves.iter().flat_map(|c| &c.points);
-        let most = points.fold(0.0, |most: f64, p| most.max(p.1.abs()));
-        if panel.up.1 == "N" { most } else { most / length }
+    let mut panels = list.map(panel);
+    let size = |curve: &Curve, unit: &str| {
+        let most = curve.points.iter().fold(0.0, |most: f64, p| most.max(p.1.abs()));
+        if unit == "N" { most } else { most / length }
     };
-    let most = panels.iter().map(size).fold(0.0, f64::max);
-    let panels: Vec<Panel> = panels.into_iter().filter(|panel| size(panel) > SEEN * most).collect();
+    let all = panels.iter().flat_map(|panel| panel.curves.iter().map(|curve| size(curve, panel.up.1)));
+    let least = SEEN * all.fold(0.0, f64::max);
+    for panel in &mut panels {
+        panel.curves.retain(|curve| size(curve, panel.up.1) > least);
+    }
+    let panels: Vec<Panel> = panels.into_iter().filter(|panel| !panel.curves.is_empty()).collect();
     if panels.is_empty() {
         return Ok(None);
     }

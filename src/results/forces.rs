@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// turn with it: then they are those at the instant at which the axes of that frame are those of the space.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct SupportForces<T> {
-    /// Force on the shaft.
+    /// Force on the shaft, along what a support holds.
     #[serde(rename = "support_forces_N")]
     pub forces_n: BTreeMap<String, T>,
     /// Moment of every kinematic support on the shaft about the axis' point of its section: about x what holds or drives

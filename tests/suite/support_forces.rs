@@ -79,6 +79,12 @@ fn bearings_carry_weight_and_loads() {
         }
         assert_eq!(force[0], 0.0);
     }
+    // held along x only
+    let [_, y, z] = forces["supports.2"];
+    assert_eq!([y, z], [0.0; 2]);
+    for force in found.support_forces.moments_n_m.values() {
+        assert_eq!(*force, [0.0; 3]);
+    }
 }
 
 /// Two bearings share a force by its distances, three kinematic supports report moments.
@@ -148,71 +154,76 @@ fn a_periodic_motion_carries_the_weight_on_average() {
 }
 
 /// A rigid rotor run up, supported at both ends: all forces make `m e (W^2, alpha)` and carry the weight; the torque through a
-/// section is what lies beyond times alpha; frames agree.
+/// section is what lies beyond times alpha.
 #[test]
 fn forces_of_a_run_up_are_the_rate_of_momentum() {
     const SPEED: f64 = 40.0;
     const UNTIL: f64 = 2.0;
     let (mass, e, polar) = (5.0, 2e-3, 0.2);
-    for frame in ["rotating", "inertial"] {
-        let found = run(&shaft(
-            round(),
-            0.4,
-            8,
-            json!({
-                "disks": [{ "at": 0.2, "mass": mass, "polar_inertia": polar, "diametral_inertia": 0.1, "offset": [e, 0] }],
-                "supports": [{ "at": 0, "kind": "revolute" }, { "at": 0.4, "kind": "cylindrical", "driven": false }],
-                "gravity": [0, -GRAVITY, 0],
-                "spinup": { "drive": [{ "until": UNTIL, "speed": SPEED }], "until": UNTIL, "frame": frame,
-                            "rtol": 1e-6, "atol": 1e-10, "output": 41 },
-                "probes": [{ "name": "before", "at": 0.11, "y": 0 }, { "name": "beyond", "at": 0.29, "y": 0 }]
-            }),
-        ));
-        let history = found.history.expect("a run");
-        assert_eq!(history.probe_section_x_m["before"], 0.1);
-        near(history.probe_section_x_m["beyond"], 0.3, 1.0, 1e-12, "the section");
-        let force = mass * e * SPEED * SPEED;
-        let per_length = DENSITY * PI * RADIUS.powi(4) / 2.0;
-        let accelerates = SPEED * PI / (2.0 * UNTIL);
-        let carried = 0.4 * weight() + mass * GRAVITY;
-        for (i, &t) in history.time_s.iter().enumerate() {
-            let phase = PI * t / UNTIL;
-            let (speed, alpha) = (SPEED * (1.0 - phase.cos()) / 2.0, accelerates * phase.sin());
-            let (sin, cos) = (SPEED / 2.0 * (t - UNTIL / PI * phase.sin())).sin_cos();
-            let right = [
-                carried - mass * e * (speed * speed * cos + alpha * sin),
-                mass * e * (alpha * cos - speed * speed * sin),
-            ];
-            let all = sum(history.support_forces.forces_n.values().map(|list| &list[i]));
-            near(all[1], right[0], force, 2e-3, &format!("{frame}, along y at {t}"));
-            near(all[2], right[1], force, 2e-3, &format!("{frame}, along z at {t}"));
-            // of the weight and of the offset the drive feels the lever
-            let lever = -mass * e * GRAVITY * sin;
-            let before = (per_length * 0.3 + polar + mass * e * e) * alpha + lever;
-            let largest = (per_length * 0.3 + polar) * accelerates;
-            near(
-                -history.probe_torque_n_m["before"][i],
-                before,
-                largest,
-                2e-3,
-                &format!("{frame}, before at {t}"),
-            );
-            let beyond = per_length * 0.1 * alpha;
-            near(
-                -history.probe_torque_n_m["beyond"][i],
-                beyond,
-                largest,
-                1e-4,
-                &format!("{frame}, beyond at {t}"),
-            );
-            let drive = history.support_forces.moments_n_m["supports.0"][i][0];
-            near(
-                drive,
-                before + per_length * 0.1 * alpha,
-                largest,
-                2e-3,
-                &format!("{frame}, the drive at {t}"),
-            );
+    let found = run(&shaft(
+        round(),
+        0.4,
+        8,
+        json!({
+            "disks": [{ "at": 0.2, "mass": mass, "polar_inertia": polar, "diametral_inertia": 0.1, "offset": [e, 0] }],
+            "supports": [{ "at": 0, "kind": "revolute" }, { "at": 0.4, "kind": "cylindrical", "driven": false }],
+            "gravity": [0, -GRAVITY, 0],
+            "spinup": { "drive": [{ "until": UNTIL, "speed": SPEED }], "until": UNTIL,
+                        "rtol": 1e-6, "atol": 1e-10, "output": 41 },
+            "probes": [{ "name": "before", "at": 0.11, "y": 0 }, { "name": "beyond", "at": 0.29, "y": 0 }]
+        }),
+    ));
+    let history = found.history.expect("a run");
+    assert_eq!(history.probe_section_x_m["before"], 0.1);
+    near(history.probe_section_x_m["beyond"], 0.3, 1.0, 1e-12, "the section");
+    let force = mass * e * SPEED * SPEED;
+    let per_length = DENSITY * PI * RADIUS.powi(4) / 2.0;
+    let accelerates = SPEED * PI / (2.0 * UNTIL);
+    let carried = 0.4 * weight() + mass * GRAVITY;
+    for (i, &t) in history.time_s.iter().enumerate() {
+        let phase = PI * t / UNTIL;
+        let (speed, alpha) = (SPEED * (1.0 - phase.cos()) / 2.0, accelerates * phase.sin());
+        let (sin, cos) = (SPEED / 2.0 * (t - UNTIL / PI * phase.sin())).sin_cos();
+        let right = [
+            carried - mass * e * (speed * speed * cos + alpha * sin),
+            mass * e * (alpha * cos - speed * speed * sin),
+        ];
+        let all = sum(history.support_forces.forces_n.values().map(|list| &list[i]));
+        near(all[1], right[0], force, 2e-3, &format!("along y at {t}"));
+        near(all[2], right[1], force, 2e-3, &format!("along z at {t}"));
+        // of the weight and of the offset the drive feels the lever
+        let lever = -mass * e * GRAVITY * sin;
+        let before = (per_length * 0.3 + polar + mass * e * e) * alpha + lever;
+        let largest = (per_length * 0.3 + polar) * accelerates;
+        near(-history.probe_torque_n_m["before"][i], before, largest, 2e-3, &format!("before at {t}"));
+        let beyond = per_length * 0.1 * alpha;
+        near(-history.probe_torque_n_m["beyond"][i], beyond, largest, 1e-4, &format!("beyond at {t}"));
+        let drive = history.support_forces.moments_n_m["supports.0"][i][0];
+        near(drive, before + per_length * 0.1 * alpha, largest, 2e-3, &format!("the drive at {t}"));
+    }
+}
+
+/// Both frames tell the forces of bearings, and the support that drives takes the torque of the drive.
+#[test]
+fn frames_tell_the_same_forces() {
+    let [rotating, inertial] = ["rotating", "inertial"].map(|frame| {
+        let more = json!({ "spinup.steady": false, "spinup.frame": frame, "spinup.until": 0.6, "spinup.output": 31,
+                           "spinup.rtol": 1e-7, "spinup.atol": 1e-11, "gravity": [0, -GRAVITY, 0] });
+        let law = [[STIFFNESS, 2e3], [-2e3, 1.5 * STIFFNESS]];
+        run(&jeffcott(law, [[20.0, 0.0], [0.0, 30.0]], 60.0, more)).history.expect("a run")
+    });
+    let largest = GRAVITY * MASS;
+    for path in ["supports.0", "supports.1"] {
+        let lists = [&rotating, &inertial].map(|h| &h.support_forces.forces_n[path]);
+        for (i, (a, b)) in lists[0].iter().zip(lists[1]).enumerate() {
+            (0..3).for_each(|c| near(a[c], b[c], largest, 1e-4, &format!("{path}, {i}")));
+        }
+    }
+    for h in [rotating, inertial] {
+        let force = &h.support_forces;
+        for (i, drive) in h.drive_torque_n_m.iter().enumerate() {
+            let ours = force.moments_n_m["supports.2"][i][0];
+            near(ours, *drive, largest * 1e-2, 1e-5, &format!("the torque, {i}"));
         }
     }
 }
@@ -287,7 +298,7 @@ fn cantilevers_pass_loads_on_by_the_closed_forms() {
                         "supports": [{ "at": clamp, "kind": "clamped" }],
                         "gravity": [0, -g, 0],
                         "loads": [{ "at": end, "force": force }, { "at": end, "moment": moment },
-                                  { "surface": "rim", "traction": traction }]
+                                  { "surface": "rim", "traction": traction, "follower": right == 5 }]
                     }),
                 ));
                 // what lies between a section and the free end
@@ -319,6 +330,28 @@ fn cantilevers_pass_loads_on_by_the_closed_forms() {
             }
         }
     }
+}
+
+/// Damping by space takes `alpha J W` of a shaft that turns in it: the torque falls along the shaft.
+#[test]
+fn drag_of_space_is_carried_as_torque() {
+    let (alpha, speed, length) = (3.0, 200.0, 2.0);
+    let found = run(&shaft(
+        round(),
+        length,
+        5,
+        json!({
+            "materials": { "m": { "damping": { "mass": alpha } } },
+            "supports": [{ "at": 0, "kind": "revolute" }, { "at": 2, "kind": "cylindrical", "driven": false }],
+            "spinup": { "drive": [{ "until": 1, "speed": speed }], "until": 1, "steady": true }
+        }),
+    ));
+    let whole = alpha * speed * DENSITY * PI * RADIUS.powi(4) / 2.0 * length;
+    for (x, torque) in found.sections.x_m.iter().zip(&found.sections.torque_n_m) {
+        near(*torque, -whole * (1.0 - x / length), whole, 1e-5, &format!("at {x}"));
+    }
+    let all = found.support_forces.expect("an equilibrium");
+    near(all.moments_n_m["supports.0"][0], whole, whole, 1e-5, "the drive");
 }
 
 /// Shear jumps at a force and a disk by what acts there.
