@@ -38,7 +38,8 @@ impl Resultant {
 
     /// In fixed directions, from turned axes.
     pub fn in_space(self, axes: Turned) -> Self {
-        let turn = |v: Vector3<f64>| Vector3::from(axes.in_space(v.into()));
+        // zero is added so that no zero has a sign
+        let turn = |v: Vector3<f64>| Vector3::from(axes.in_space(v.into())) + Vector3::zeros();
         Self { force: turn(self.force), moment: turn(self.moment) }
     }
 }

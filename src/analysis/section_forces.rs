@@ -101,7 +101,9 @@ impl<'a> ForceReader<'a> {
         let one = |(&node, holds): (&usize, &Holds)| {
             let all = self.at_node(node, acting, &acting.held).about(self.centre(node, acting));
             let told = |v: Vector3<f64>, along: bool, across: bool| {
-                v.component_mul(&Vector3::new(along, across, across).map(f64::from))
+                let [x, y, z] = v.into();
+                let (x, [y, z]) = (if along { x } else { 0.0 }, if across { [y, z] } else { [0.0; 2] });
+                Vector3::new(x, y, z)
             };
             let force = told(all.force, holds.along, holds.across);
             (node, Resultant { force, moment: told(all.moment, holds.torque, holds.tilt) })
