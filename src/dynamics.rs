@@ -10,6 +10,7 @@
 //! In the rotating frame every node turns; in the inertial frame only the driven ones do, whose constraints
 //! are then constant in their own turned coordinates. Both are exact. Source: docs/theory.md sections 5, 7 and 12.
 
+use crate::acting::Acting;
 use crate::assembly::{Assembly, Parts};
 use crate::drive::{Drive, Turn};
 use crate::error::Result;
@@ -488,6 +489,38 @@ impl<'a> Dynamics<'a> {
                 turn_pair(&mut f, sin, cos);
             }
             list.push((node, f));
+        }
+        list
+    }
+
+    /// All that acts at the last evaluation, in the axes of the frame.
+    pub fn acting(&self) -> Acting {
+        let m = &self.memory;
+        let (sin, cos) = m.turned;
+        let mut held = m.residual.clone();
+        for node in self.nodes.iter().filter(|n| n.turned) {
+            held[node.start..node.end].chunks_exact_mut(3).for_each(|f| turn_pair(f, sin, cos));
+        }
+        let rotating = self.frame == Frame::Rotating;
+        Acting {
+            position: m.position.clone(),
+            velocity: m.velocity.clone(),
+            acceleration: m.acceleration.clone(),
+            outer: m.inertia.iter().map(|f| -f).collect(),
+            held,
+            axes: if rotating { Turned { sin, cos } } else { Turned::NOT },
+            load: 1.0,
+        }
+    }
+
+    /// Force `[x, y, z]` of every ring on the shaft at the last evaluation, in fixed directions, N.
+    pub fn ring_forces(&self) -> Vec<[f64; 3]> {
+        let (sin, cos) = if self.frame == Frame::Rotating { self.memory.turned } else { (0.0, 1.0) };
+        let mut list = vec![[0.0; 3]; self.rub.rings.len()];
+        for touch in &self.rub.touching {
+            let law = &self.rub.rings[touch.ring].law;
+            let force = law.force(&touch.place, &law.contact(&touch.place, &touch.rate));
+            list[touch.ring] = Turned { sin, cos }.in_space([0.0, force[0], force[1]]);
         }
         list
     }

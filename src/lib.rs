@@ -1,7 +1,7 @@
 //! Rotordynamics on the higher-order ANCF beam element 34X3.
 //!
 //! Data flows one way; each module uses only what stands before it:
-//! `units, error, json, vectors, instructions -> case -> model -> element -> assembly, forces, rub, dynamics, contact -> integrate ->
+//! `units, error, json, vectors, instructions -> case -> model -> element -> assembly, forces, rub, acting, dynamics, contact -> integrate ->
 //! analysis -> results -> plot, report -> study -> cli`.
 //!
 //! ```
@@ -19,6 +19,7 @@
 //! # Ok::<(), rotor::error::Error>(())
 //! ```
 
+pub mod acting;
 pub mod analysis;
 pub mod assembly;
 pub mod case;

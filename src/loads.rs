@@ -30,6 +30,11 @@ impl Turned {
     /// Coordinates in axes fixed in space.
     pub const NOT: Self = Self { sin: 0.0, cos: 1.0 };
 
+    /// A vector in the turned axes as seen from the space.
+    pub fn in_space(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        [x, self.cos * y - self.sin * z, self.sin * y + self.cos * z]
+    }
+
     /// A vector of the space in the turned axes.
     pub fn seen(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         [x, self.cos * y + self.sin * z, self.cos * z - self.sin * y]
@@ -158,6 +163,48 @@ impl Law {
         let mut force = vec![0.0; q.len()];
         self.add(q, axes, 1.0, &mut force);
         force.iter().zip(velocity).map(|(f, v)| f * v).sum()
+    }
+}
+
+/// Tractions and pressures, element by element: the same forces as those of [`Loads`].
+pub struct Spread {
+    /// First coordinate and force `[x, y, z]` in the space, N.
+    fixed: Vec<Vec<(usize, [f64; 3])>>,
+    following: Vec<Vec<ElementSurface>>,
+}
+
+impl Spread {
+    /// Prepares the loads on the surface of every element.
+    pub fn new(model: &Model, numbering: &Numbering) -> Self {
+        let follows = |t: &&Traction| t.reading == Reading::Following;
+        let fixed = |e: &Element| {
+            let mut force = vec![0.0; numbering.len()];
+            for traction in model.tractions.iter().filter(|t| !follows(t)) {
+                add_dead_traction(model, numbering, e, traction, &mut force);
+            }
+            let triples = force.chunks_exact(3).enumerate().filter(|(_, f)| *f != [0.0; 3]);
+            triples.map(|(k, f)| (3 * k, [f[0], f[1], f[2]])).collect()
+        };
+        let following = |e: &Element| {
+            let loads = model.tractions.iter().filter(follows);
+            loads.map(|t| ElementSurface::new(model, numbering, e, t)).collect()
+        };
+        if model.tractions.is_empty() {
+            return Self { fixed: Vec::new(), following: Vec::new() };
+        }
+        Self {
+            fixed: model.elements.iter().map(fixed).collect(),
+            following: model.elements.iter().map(following).collect(),
+        }
+    }
+
+    /// Adds a factor times the forces on one element in a place q, whose axes are turned.
+    pub fn add(&self, element: usize, q: &[f64], axes: Turned, factor: f64, force: &mut [f64]) {
+        for &(at, f) in self.fixed.get(element).into_iter().flatten() {
+            let f = axes.seen(f);
+            (0..3).for_each(|c| force[at + c] += factor * f[c]);
+        }
+        self.following.get(element).into_iter().flatten().for_each(|load| load.add(q, factor, force));
     }
 }
 

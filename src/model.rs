@@ -216,7 +216,7 @@ impl ActsOn {
 }
 
 /// A linear spring-damper bearing at a node, in the fixed y, z directions.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Bearing {
     /// Node it holds.
     pub node: usize,
@@ -226,6 +226,8 @@ pub struct Bearing {
     pub damping: [[f64; 2]; 2],
     /// What it holds.
     pub acts_on: ActsOn,
+    /// JSON path, for reports.
+    pub path: String,
 }
 
 /// How an end section of a kinematic support behaves.

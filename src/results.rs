@@ -2,10 +2,12 @@
 //! Units are in the field names; `None` stands for "not defined here" (JSON null), never NaN.
 
 mod contact;
+mod forces;
 mod motion;
 mod tradeoff;
 
 pub use contact::*;
+pub use forces::*;
 pub use motion::*;
 use serde::Serialize;
 use serde_json::{Map, Value};

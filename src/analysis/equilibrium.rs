@@ -9,6 +9,7 @@
 //! Source: docs/theory.md sections 5, 6.
 
 use super::spectrum::Flexibility;
+use crate::acting::Acting;
 use crate::assembly::Assembly;
 use crate::error::Result;
 use crate::forces::{Forces, ScalarMass, Workspace};
@@ -143,6 +144,12 @@ impl<'a> Balance<'a> {
     fn imbalance(&self, q: &[f64], load: f64, speed: f64, work: &mut Workspace) -> (Vec<f64>, f64) {
         let mut g = vec![0.0; q.len()];
         let energy = self.forces.internal_force(q, None, &mut g, work);
+        self.subtract_outer(q, load, speed, &mut g);
+        (g, energy)
+    }
+
+    /// Subtracts centrifugal pull and a share of the loads, and adds what damping by space takes.
+    fn subtract_outer(&self, q: &[f64], load: f64, speed: f64, g: &mut [f64]) {
         if speed != 0.0 {
             let mut turning = q.to_vec();
             turning.iter_mut().step_by(3).for_each(|x| *x = 0.0);
@@ -155,8 +162,7 @@ impl<'a> Balance<'a> {
             external.multiply(&cross(q), &mut felt);
             g.iter_mut().zip(&felt).for_each(|(g, f)| *g += speed * f);
         }
-        self.loads.add(q, Turned::NOT, -load, &mut g);
-        (g, energy)
+        self.loads.add(q, Turned::NOT, -load, g);
     }
 
     /// `g(z)` and the strain energy (J).
@@ -176,12 +182,17 @@ impl<'a> Balance<'a> {
 
     /// Adds `Omega C J u` of every bearing: a section at rest in the turning frame moves with `Omega J u`.
     fn add_bearing_drag(&self, q: &[f64], speed: f64, force: &mut [f64]) {
+        let drag = |b: &Bearing, [y, z]: [f64; 2]| b.damping.map(|c| speed * (c[1] * y - c[0] * z));
+        self.add_of_bearings(q, drag, force);
+    }
+
+    /// Adds forces of bearings by the displacements that they feel.
+    fn add_of_bearings(&self, q: &[f64], law: impl Fn(&Bearing, [f64; 2]) -> [f64; 2], force: &mut [f64]) {
         let (model, numbering) = (self.assembly.model, &self.assembly.numbering);
         for bearing in &model.bearings {
             let rows = bearing_rows(model, numbering, bearing);
-            let [y, z] = [0, 1].map(|i| rows[i].iter().map(|&(at, w)| w * q[at]).sum::<f64>());
-            for (row, c) in rows.iter().zip(&bearing.damping) {
-                let f = speed * (c[1] * y - c[0] * z);
+            let felt = [0, 1].map(|i| rows[i].iter().map(|&(at, w)| w * q[at]).sum::<f64>());
+            for (row, f) in rows.iter().zip(law(bearing, felt)) {
                 row.iter().for_each(|&(at, w)| force[at] += w * f);
             }
         }
@@ -201,6 +212,26 @@ impl<'a> Balance<'a> {
     /// Forces that the supports exert on all coordinates in equilibrium under a share of the load, N.
     pub fn reactions_at(&self, z: &[f64], load: f64) -> Vec<f64> {
         self.imbalance(&self.coordinates(z), load, self.speed * load.sqrt(), &mut Workspace::default()).0
+    }
+
+    /// All that acts in equilibrium under a share of the load, in the axes of the turning frame.
+    pub fn acting(&self, z: &[f64], load: f64) -> Acting {
+        let position = self.coordinates(z);
+        let speed = self.speed * load.sqrt();
+        let mut outer = vec![0.0; position.len()];
+        self.subtract_outer(&position, load, speed, &mut outer);
+        let spring = |b: &Bearing, [y, z]: [f64; 2]| b.stiffness.map(|k| k[0] * y + k[1] * z);
+        self.add_of_bearings(&position, spring, &mut outer);
+        if self.drag.is_some() {
+            self.add_bearing_drag(&position, speed, &mut outer);
+        }
+        let mut held = vec![0.0; position.len()];
+        self.forces.internal_force(&position, None, &mut held, &mut Workspace::default());
+        held.iter_mut().zip(&outer).for_each(|(h, o)| *h += o);
+        outer.iter_mut().for_each(|o| *o = -*o);
+        let velocity: Vec<f64> = cross(&position).into_iter().map(|v| speed * v).collect();
+        let acceleration = cross(&velocity).into_iter().map(|a| speed * a).collect();
+        Acting { position, velocity, acceleration, outer, held, axes: Turned::NOT, load }
     }
 
     /// Tangent of elements, hubs and bearings at a state, without the centrifugal part.

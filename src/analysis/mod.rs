@@ -24,6 +24,7 @@ pub mod probes;
 pub mod reduced;
 pub mod remarks;
 pub mod rub;
+mod section_forces;
 pub mod spectrum;
 pub mod spinup;
 pub mod state;

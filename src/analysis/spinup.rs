@@ -11,6 +11,7 @@ use super::orbit::{self, Orbit};
 use super::probes::{Centre, displacement, element_at, growth_in, largest_strain, probe_states, profile};
 use super::remarks::Refusal;
 use super::rub::RubRecorder;
+use super::section_forces::{ForceReader, probe_section};
 use super::statics::{hub_remark, newton_summary, pinned_remark, strain_remark};
 use super::stations::{Station, growth_along, headline, section_growth};
 use super::{Outcome, model_remarks, nonlinear_summary, quadrature_name};
@@ -28,7 +29,7 @@ use crate::model::{
     WhirlFrame,
 };
 use crate::results::{
-    Diagnostic, EnergyBalance, Extremes, History, IntegratorSummary, OrbitSummary, SpinState, Spinup,
+    Diagnostic, EnergyBalance, Extremes, History, IntegratorSummary, OrbitSummary, SectionForces, SpinState, Spinup,
 };
 use crate::section::Surface;
 use crate::support::drives;
@@ -229,10 +230,13 @@ fn steady(
         pinned_remark(&balance, &mut diagnostics);
         summary.modelled.push("centrifugal load, co-rotating equilibrium".to_owned());
         let q = balance.coordinates(&state.z);
+        let (reader, acting) = (ForceReader::new(assembly), balance.acting(&state.z, 1.0));
         Spinup {
             complete: true,
             last: spin_state(assembly, &q, None, speed),
             growth: growth_along(assembly, &q),
+            support_forces: Some(reader.supports(&acting)),
+            sections: reader.sections(&acting),
             extremes: None,
             history: None,
             energy: None,
@@ -295,14 +299,21 @@ fn one_turn(assembly: &Assembly<'_>, settings: &SpinupSettings, speed: f64, orbi
         let [_, y, z] = recorder.extreme(&dynamics, end.t, &end.z);
         recorder.draw(&dynamics, end.t, [y, z]);
     }
-    recorder.last = (end, flows);
-    let (results, _) = recorder.results(&mut dynamics, true);
+    recorder.last = (end.clone(), flows);
+    let (mut results, _) = recorder.results(&mut dynamics, true);
+    results.sections = sections_at(&mut dynamics, &end);
     let orbit = OrbitSummary {
         harmonics: orbit.harmonics,
         truncation: orbit.truncation,
         iterations: orbit.iterations,
     };
     Ok(Spinup { integrator: None, orbit: Some(orbit), ..results })
+}
+
+/// What passes through the sections at a moment.
+fn sections_at(dynamics: &mut Dynamics<'_>, moment: &Moment) -> SectionForces {
+    dynamics.evaluate(moment.t, &moment.z, &moment.v, &moment.a);
+    ForceReader::new(dynamics.assembly).sections(&dynamics.acting())
 }
 
 /// Tells a motion that grows about the steady state, where something may feed one: by its root.
@@ -539,6 +550,9 @@ struct Recorder<'a> {
     /// Time of the last point of the orbit, the shortest time to the next, and the point in the turning frame.
     drawn: (f64, f64, [f64; 2]),
     supports: Vec<(String, usize)>,
+    reader: ForceReader<'a>,
+    /// Path and place of every ring.
+    rings: Vec<(String, f64)>,
     frame: Frame,
     /// Only with stators.
     rub: Option<RubRecorder>,
@@ -575,6 +589,8 @@ impl<'a> Recorder<'a> {
             station: headline(assembly.model),
             drawn: (0.0, settings.until / ORBIT, [0.0; 2]),
             supports,
+            reader: ForceReader::new(assembly),
+            rings: settings.stators.iter().map(|s| (s.path.clone(), s.at)).collect(),
             frame: settings.frame,
             asked: Instant::now(),
         };
@@ -658,6 +674,7 @@ impl<'a> Recorder<'a> {
         dynamics.evaluate(t, z, v, a);
         let torque = dynamics.powers.torque;
         let reactions = dynamics.reactions(t);
+        self.sample_forces(dynamics);
         for (path, power) in dynamics.load_powers() {
             self.history.load_power_w.entry(path.to_owned()).or_default().push(power);
         }
@@ -702,6 +719,30 @@ impl<'a> Recorder<'a> {
         }
     }
 
+    /// Forces at the last evaluation.
+    fn sample_forces(&mut self, dynamics: &Dynamics<'_>) {
+        let acting = dynamics.acting();
+        let mut now = self.reader.supports(&acting);
+        for ((path, at), force) in self.rings.iter().zip(dynamics.ring_forces()) {
+            now.forces_n.insert(path.clone(), force);
+            now.at_m.insert(path.clone(), *at);
+        }
+        let h = &mut self.history;
+        for (all, now) in [
+            (&mut h.support_forces.forces_n, now.forces_n),
+            (&mut h.support_forces.moments_n_m, now.moments_n_m),
+        ] {
+            now.into_iter().for_each(|(path, v)| all.entry(path).or_default().push(v));
+        }
+        h.support_forces.at_m = now.at_m;
+        for (probe, (torque, shear)) in self.assembly.model.probes.iter().zip(self.reader.at_probes(&acting)) {
+            h.probe_torque_n_m.entry(probe.name.clone()).or_default().push(torque);
+            h.probe_shear_n.entry(probe.name.clone()).or_default().push(shear);
+            let (.., x) = probe_section(self.assembly.model, probe);
+            h.probe_section_x_m.insert(probe.name.clone(), x);
+        }
+    }
+
     fn finish(
         self,
         model: &Model,
@@ -713,6 +754,7 @@ impl<'a> Recorder<'a> {
         let t = self.last.0.t;
         let frame = self.frame;
         let integrator = model.spinup.as_ref().map(|s| s.integrator);
+        let (counts, end) = (dynamics.counts, self.last.0.clone());
         let (mut results, rub) = self.results(dynamics, run.complete);
         if let Some(rub) = rub {
             let (rub, stators) = rub.finish(dynamics, t, &mut summary);
@@ -721,6 +763,7 @@ impl<'a> Recorder<'a> {
             }
             results.rub = Some(rub);
         }
+        results.sections = sections_at(dynamics, &end);
         clear_remark(&results.last, &mut diagnostics);
         strain_remark(results.last.largest_strain, &mut diagnostics);
         if !run.complete {
@@ -737,7 +780,6 @@ impl<'a> Recorder<'a> {
                 ),
             ));
         }
-        let counts = dynamics.counts;
         results.integrator = Some(IntegratorSummary {
             name: match integrator {
                 Some(Integrator::GeneralizedAlpha) => "generalized-alpha",
@@ -776,6 +818,8 @@ impl<'a> Recorder<'a> {
             complete,
             last: spin_state(self.assembly, &q, Some(t), dynamics.drive.at(t).speed),
             growth: growth_along(self.assembly, &q),
+            support_forces: None,
+            sections: SectionForces::default(),
             extremes: Some(self.extremes),
             energy: Some(EnergyBalance {
                 drive_work_j: flows.drive,

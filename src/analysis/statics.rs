@@ -2,6 +2,7 @@
 
 use super::equilibrium::{Balance, Equilibrium, NewtonSettings, dot};
 use super::estimates::{refuse_dependent, refuse_tiny_bore};
+use super::section_forces::ForceReader;
 use super::probes::{axis_displacement, largest_strain, probe_states, profile};
 use super::stations::{headline, in_rigid_hub};
 use super::{Outcome, model_remarks, nonlinear_summary};
@@ -83,12 +84,15 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
         });
     }
     summary.left_out.push("inertia, spin and damping: a static analysis".to_owned());
+    let (reader, acting) = (ForceReader::new(&assembly), balance.acting(&state.z, state.load_factor));
     let results = Static {
         converged,
         load_factor: state.load_factor,
         probes: probe_states(&assembly, &q),
         profile: profile(&assembly, &q, station.x, &station.section),
         reactions: reactions(&balance, &state),
+        support_forces: reader.supports(&acting),
+        sections: reader.sections(&acting),
         strain_energy_j,
         largest_strain: largest,
         newton: newton_summary(&state),

@@ -80,10 +80,23 @@ impl StudyAnalysis {
                 "strain_energy_j",
                 "largest_strain",
                 "newton",
+                "support_forces_N",
+                "support_moments_N_m",
+                "sections",
             ],
-            Self::Spinup => {
-                &["final", "extremes", "growth", "history", "energy", "rub", "integrator", "newton"]
-            }
+            Self::Spinup => &[
+                "final",
+                "extremes",
+                "growth",
+                "history",
+                "energy",
+                "rub",
+                "integrator",
+                "newton",
+                "support_forces_N",
+                "support_moments_N_m",
+                "sections",
+            ],
             Self::Contact => &[
                 "time_s",
                 "load_factor",

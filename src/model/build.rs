@@ -677,7 +677,7 @@ impl Input<'_> {
                 "kyy >= 0, kzz >= 0 and ((kyz + kzy)/2)^2 <= kyy kzz",
             );
         }
-        Ok(Bearing { node, stiffness, damping, acts_on })
+        Ok(Bearing { node, stiffness, damping, acts_on, path: path.to_owned() })
     }
 
     fn fix(&self, path: &str, names: &[String], basis: SectionBasis) -> Result<Vec<(usize, usize)>> {

@@ -60,8 +60,10 @@ pub fn memory(model: &Model) -> Vec<Share> {
     let points: usize = model.probes.iter().map(|p| p.points.len()).sum();
     list.push(Share { path: "probes", what: "probes", bytes: points as f64 * POINT * NUMBER });
     if let Some(spin) = model.spinup.as_ref().filter(|s| !s.steady) {
-        // scalars of the history, places of mid-span and probes, reactions, and gaps and forces of rings
-        let row = 18 + 4 * (1 + model.probes.len() + model.supports.len()) + 6 * spin.stators.len();
+        // scalars of the history, places of mid-span and probes with torque and shear, reactions and forces and moments of
+        // supports, forces of bearings, and gaps and forces of rings
+        let places = 1 + 2 * model.probes.len() + 3 * model.supports.len() + model.bearings.len();
+        let row = 18 + 4 * places + 10 * spin.stators.len();
         list.push(Share {
             path: "spinup.output",
             what: "history",

@@ -3,6 +3,7 @@
 
 pub mod campbell;
 pub mod contact;
+mod forces;
 pub mod modes;
 pub mod motion;
 pub mod panels;

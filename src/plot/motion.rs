@@ -1,5 +1,6 @@
-//! Plots of `rotor static` and `rotor spinup`: the section, the deformed axis, and a run over time.
+//! Plots of `rotor static` and `rotor spinup`: the section, the deformed axis, forces, and a run over time.
 
+use super::forces;
 use super::panels::{Curve, Mark, Panel, STROKES, Surroundings, figure};
 use super::style::{self, Line, Marker, Point, Stroke};
 use crate::error::Result;
@@ -23,7 +24,7 @@ const SAME: f64 = 1e-9;
 /// Figures as `(file name, SVG text)`.
 type Figures = Vec<(String, String)>;
 
-/// static.svg and section.svg.
+/// static.svg, section.svg and, where any force passes through the shaft, forces.svg.
 ///
 /// # Errors
 /// A failure of the drawing library.
@@ -41,10 +42,12 @@ pub fn statics(report: &Report<Static>) -> Result<Figures> {
     let remarks = format!("Load factor {:.4}.", results.load_factor);
     let axis = figure(&Surroundings::new(report, "Static equilibrium", remarks.clone()), &[panel], 1)?;
     let section = section(report, &results.profile, &remarks)?;
-    Ok(vec![("static.svg".to_owned(), axis), ("section.svg".to_owned(), section)])
+    let mut figures = vec![("static.svg".to_owned(), axis), ("section.svg".to_owned(), section)];
+    figures.extend(forces::along(report, &results.sections, &remarks)?);
+    Ok(figures)
 }
 
-/// section.svg and growth.svg, and for a transient spinup.svg, orbit.svg and energy.svg, with stators spinup-rub.svg.
+/// section.svg, growth.svg and, where there are forces, forces.svg, and for a transient spinup.svg, orbit.svg and energy.svg, with stators spinup-rub.svg.
 ///
 /// # Errors
 /// A failure of the drawing library.
@@ -55,7 +58,11 @@ pub fn spinup(report: &Report<Spinup>) -> Result<Figures> {
         ("section.svg".to_owned(), section(report, &last.profile, &remarks)?),
         ("growth.svg".to_owned(), growth(report, &remarks)?),
     ];
-    let Some(history) = &report.results.history else { return Ok(figures) };
+    let Some(history) = &report.results.history else {
+        figures.extend(forces::along(report, &report.results.sections, &remarks)?);
+        return Ok(figures);
+    };
+    figures.extend(forces::over_time(report, history)?);
     figures.push(("spinup.svg".to_owned(), run(report, history)?));
     figures.push(("orbit.svg".to_owned(), orbit(report, history)?));
     figures.push(("energy.svg".to_owned(), energy(report, history)?));

@@ -2,7 +2,8 @@
 
 use crate::results::{
     Branch, Campbell, Check, Contact, Diagnostic, Level, ModelSummary, Modes, ProbeState, RubSummary,
-    SceneCheck, SpinState, Spinup, Static, StatorSummary, Tradeoff, TradeoffPoint, Trust, Whirl,
+    SceneCheck, SectionForces, SpinState, Spinup, Static, StatorSummary, SupportForces, Tradeoff,
+    TradeoffPoint, Trust, Whirl,
 };
 use std::f64::consts::TAU;
 
@@ -245,21 +246,70 @@ pub fn statics(results: &Static) -> String {
         results.largest_strain
     );
     text += &probes(&results.probes);
-    let carried = largest(results.reactions.iter().flat_map(|r| r.force_n));
-    let rows: Vec<Vec<String>> = results
-        .reactions
-        .iter()
-        .map(|r| {
-            let mut row = vec![format!("{:.4}", r.at_m)];
-            row.extend(r.force_n.map(|f| beside(f, carried, 6)));
-            row.push(r.support.clone());
-            row
-        })
-        .collect();
-    if !rows.is_empty() {
-        text += &columns(&["x (m)", "F_x (N)", "F_y (N)", "F_z (N)", "support"], &rows);
+    text + &supports(&results.support_forces) + &sections(&results.sections)
+}
+
+/// Forces and moments of supports and bearings in one state.
+fn supports(found: &SupportForces<[f64; 3]>) -> String {
+    let carried = largest(found.forces_n.values().flatten().copied());
+    let turned = largest(found.moments_n_m.values().flatten().copied());
+    let row = |(path, force): (&String, &[f64; 3])| {
+        let mut row = vec![found.at_m.get(path).map_or_else(String::new, |x| format!("{x:.4}"))];
+        row.extend(force.map(|f| beside(f, carried, 6)));
+        match found.moments_n_m.get(path) {
+            Some(moment) => row.extend(moment.map(|m| beside(m, turned, 4))),
+            None => row.extend([(); 3].map(|()| "-".to_owned())),
+        }
+        row.push(path.clone());
+        row
+    };
+    let rows: Vec<Vec<String>> = found.forces_n.iter().map(row).collect();
+    if rows.is_empty() {
+        return String::new();
     }
-    text
+    let head = ["x (m)", "F_x (N)", "F_y (N)", "F_z (N)", "M_x (N m)", "M_y (N m)", "M_z (N m)", "support"];
+    columns(&head, &rows)
+}
+
+/// The largest forces and moments of supports, bearings and rings over time.
+fn supports_over_time(time: &[f64], found: &SupportForces<Vec<[f64; 3]>>) -> String {
+    let most = |list: &[[f64; 3]]| {
+        let sizes = list.iter().map(|v| v.iter().map(|v| v * v).sum::<f64>().sqrt());
+        sizes.zip(time).fold((0.0, 0.0), |most, (v, t)| if v > most.0 { (v, *t) } else { most })
+    };
+    let row = |(path, forces): (&String, &Vec<[f64; 3]>)| {
+        let mut row = vec![found.at_m.get(path).map_or_else(String::new, |x| format!("{x:.4}"))];
+        for list in [Some(forces), found.moments_n_m.get(path)] {
+            match list.map(|list| most(list)) {
+                Some((v, t)) => row.extend([format!("{v:.4e}"), format!("{t:.5}")]),
+                None => row.extend(["-".to_owned(), "-".to_owned()]),
+            }
+        }
+        row.push(path.clone());
+        row
+    };
+    let rows: Vec<Vec<String>> = found.forces_n.iter().map(row).collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    columns(&["x (m)", "largest force (N)", "at (s)", "largest moment (N m)", "at (s)", "support"], &rows)
+}
+
+/// The largest of what passes through the shaft.
+fn sections(s: &SectionForces) -> String {
+    let pairs = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a.hypot(*b)).collect::<Vec<_>>();
+    let words = |(name, unit, list): (&str, &str, Vec<f64>)| {
+        let sizes = list.into_iter().map(f64::abs).zip(&s.x_m);
+        let most = sizes.fold((0.0, 0.0), |most, (v, x)| if v > most.0 { (v, *x) } else { most });
+        format!("{name} {:.4e} {unit} at {} m", most.0, short(most.1))
+    };
+    let list = [
+        ("axial force", "N", s.axial_force_n.clone()),
+        ("shear", "N", pairs(&s.shear_y_n, &s.shear_z_n)),
+        ("bending moment", "N m", pairs(&s.moment_y_n_m, &s.moment_z_n_m)),
+        ("torque", "N m", s.torque_n_m.clone()),
+    ];
+    format!("  largest along the shaft: {}\n", list.map(words).join(", "))
 }
 
 /// A place in metres without the digits that sums leave.
@@ -343,6 +393,11 @@ pub fn spinup(results: &Spinup) -> String {
             e.drive_work_j, e.numerical_dissipation_j, e.relative_error
         );
     }
+    text += &results.support_forces.as_ref().map_or_else(String::new, supports);
+    if let Some(h) = &results.history {
+        text += &supports_over_time(&h.time_s, &h.support_forces);
+    }
+    text += &sections(&results.sections);
     if let Some(r) = &results.rub {
         text += &rub(r);
     }

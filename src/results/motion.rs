@@ -1,5 +1,6 @@
 //! Results of the nonlinear analyses: states at points, static equilibrium, spin-up.
 
+use super::{SectionForces, SupportForces};
 use crate::rub::Contact;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -114,6 +115,11 @@ pub struct Static {
     pub profile: Profile,
     /// Forces of the supports.
     pub reactions: Vec<Reaction>,
+    /// Forces and moments of supports and bearings on the shaft.
+    #[serde(flatten)]
+    pub support_forces: SupportForces<[f64; 3]>,
+    /// Forces and moments that pass through the shaft.
+    pub sections: SectionForces,
     /// Strain energy.
     pub strain_energy_j: f64,
     /// Largest principal Green-Lagrange strain, by size, on a grid of points in every element.
@@ -164,6 +170,11 @@ pub struct Spinup {
     pub extremes: Option<Extremes>,
     /// Growth along the shaft in that state.
     pub growth: GrowthAlong,
+    /// Forces and moments of supports and bearings on the shaft; for the equilibrium alone.
+    #[serde(flatten)]
+    pub support_forces: Option<SupportForces<[f64; 3]>>,
+    /// Forces and moments that pass through the shaft at the end.
+    pub sections: SectionForces,
     /// Values over time; null for the equilibrium alone.
     pub history: Option<History>,
     /// Energy over the whole run; null for the equilibrium alone.
@@ -265,6 +276,18 @@ pub struct History {
     /// Force `[x, y, z]` of every support in fixed directions, by JSON path.
     #[serde(rename = "reactions_N")]
     pub reactions_n: BTreeMap<String, Vec<[f64; 3]>>,
+    /// Forces and moments of supports, bearings and rings on the shaft.
+    #[serde(flatten)]
+    pub support_forces: SupportForces<Vec<[f64; 3]>>,
+    /// Torque that passes through the section at `probe_section_x_m` of every probe, as in [`SectionForces`]; only with probes.
+    #[serde(rename = "probe_torque_N_m", skip_serializing_if = "BTreeMap::is_empty")]
+    pub probe_torque_n_m: BTreeMap<String, Vec<f64>>,
+    /// Shear `[along y, along z]` there, in fixed directions; only with probes.
+    #[serde(rename = "probe_shear_N", skip_serializing_if = "BTreeMap::is_empty")]
+    pub probe_shear_n: BTreeMap<String, Vec<[f64; 2]>>,
+    /// Where that is: the nearer end of the element in which the probe stands, just inside; only with probes.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub probe_section_x_m: BTreeMap<String, f64>,
     /// Gap and forces of every stator in the order of the case.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub stators: Vec<StatorHistory>,

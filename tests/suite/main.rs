@@ -47,6 +47,7 @@ mod spinup;
 mod steady;
 mod steps;
 mod structural;
+mod support_forces;
 mod terminal;
 mod tradeoff;
 mod whirl_sense;

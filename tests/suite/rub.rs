@@ -346,6 +346,9 @@ fn a_ring_that_is_never_near_costs_and_changes_nothing() {
         let rub = results.as_object_mut().expect("results").shift_remove("rub").expect("rub");
         let history = results["history"].as_object_mut().expect("history");
         history.shift_remove("stators").expect("history of the ring");
+        let forces = history["support_forces_N"].as_object_mut().expect("forces");
+        let ring = forces.shift_remove("spinup.stators.0").expect("the ring's");
+        assert!(ring.as_array().expect("list").iter().all(|f| *f == json!([0.0, 0.0, 0.0])));
         let potential =
             history["energy_J"].as_object_mut().expect("energy").shift_remove("stators").expect("potential");
         assert!(potential.as_array().expect("list").iter().all(|e| e == 0.0));

@@ -18,13 +18,13 @@ fn run(case: &LoadedCase) -> Outcome<Spinup> {
     attempt(case).unwrap_or_else(|e| panic!("{e}"))
 }
 
-const MASS: f64 = 1.0;
-const ECCENTRICITY: f64 = 5e-4;
+pub const MASS: f64 = 1.0;
+pub const ECCENTRICITY: f64 = 5e-4;
 /// Stiffness of both bearings together: critical at 100 rad/s.
-const STIFFNESS: f64 = 1e4;
+pub const STIFFNESS: f64 = 1e4;
 
 /// A disk of 1 kg in the middle of a stiff shaft of no mass on two bearings, each with half of the laws.
-fn jeffcott(stiffness: [[f64; 2]; 2], damping: [[f64; 2]; 2], speed: f64, more: Value) -> LoadedCase {
+pub fn jeffcott(stiffness: [[f64; 2]; 2], damping: [[f64; 2]; 2], speed: f64, more: Value) -> LoadedCase {
     let half = |law: [[f64; 2]; 2]| law.map(|row| row.map(|v| v / 2.0));
     let set = json!({
         "materials.light.rho": 1e-3,
