@@ -35,6 +35,10 @@ const DONE: f64 = 1e-12;
 /// Shortest share of a correction that is gone, and relative size of one that is gone wholly.
 const SHORTEST: f64 = 1e-3;
 const SMALL: f64 = 1e-6;
+/// Relative correction that may no longer shrink: the forces of a small motion are rounding to this; and the same over the
+/// length of the shaft.
+const STALLED: f64 = 1e-7;
+const ROUNDING: f64 = 1e-12;
 /// Most Newton iterations.
 const ITERATIONS: usize = 60;
 /// Convergence rate from which a fresh matrix is worth its price.
@@ -125,7 +129,10 @@ pub fn periodic(assembly: &Assembly<'_>, speed: f64, start: Option<Vec<f64>>) ->
             let then = before.get(k);
             now.iter().enumerate().map(move |(i, c)| c - then.map_or(0.0, |t| t[i]))
         });
-        orbit.truncation = largest(changes) / size.max(f64::MIN_POSITIVE);
+        // changes that are rounding tell nothing of harmonics
+        let change = largest(changes);
+        let rounding = ROUNDING * assembly.model.length;
+        orbit.truncation = if change <= rounding { 0.0 } else { change / size };
         if orbit.truncation <= SETTLED {
             break;
         }
@@ -220,7 +227,9 @@ impl<'a> System<'a> {
             if !change.is_finite() || !size.is_finite() {
                 break;
             }
-            if change <= DONE * size || (change <= 1e3 * DONE * size && change > previous / 2.0) {
+            let rounding = ROUNDING * self.assembly.model.length;
+            let stalled = change > previous / 2.0 && change <= (STALLED * size).max(rounding);
+            if change <= DONE * size || stalled {
                 return Ok(());
             }
             // a matrix that serves is kept

@@ -29,7 +29,8 @@ use crate::model::{
     WhirlFrame,
 };
 use crate::results::{
-    Diagnostic, EnergyBalance, Extremes, History, IntegratorSummary, OrbitSummary, SectionForces, SpinState, Spinup,
+    Diagnostic, EnergyBalance, Extremes, History, IntegratorSummary, OrbitSummary, SectionForces, SpinState,
+    Spinup,
 };
 use crate::section::Surface;
 use crate::support::drives;
@@ -735,7 +736,8 @@ impl<'a> Recorder<'a> {
             now.into_iter().for_each(|(path, v)| all.entry(path).or_default().push(v));
         }
         h.support_forces.at_m = now.at_m;
-        for (probe, (torque, shear)) in self.assembly.model.probes.iter().zip(self.reader.at_probes(&acting)) {
+        for (probe, (torque, shear)) in self.assembly.model.probes.iter().zip(self.reader.at_probes(&acting))
+        {
             h.probe_torque_n_m.entry(probe.name.clone()).or_default().push(torque);
             h.probe_shear_n.entry(probe.name.clone()).or_default().push(shear);
             let (.., x) = probe_section(self.assembly.model, probe);

@@ -2,8 +2,8 @@
 
 use super::equilibrium::{Balance, Equilibrium, NewtonSettings, dot};
 use super::estimates::{refuse_dependent, refuse_tiny_bore};
-use super::section_forces::ForceReader;
 use super::probes::{axis_displacement, largest_strain, probe_states, profile};
+use super::section_forces::ForceReader;
 use super::stations::{headline, in_rigid_hub};
 use super::{Outcome, model_remarks, nonlinear_summary};
 use crate::assembly::Assembly;

@@ -59,9 +59,11 @@ fn compare(path: &str, ours: &Value, kept: &Value, rtol: f64, floor: f64) {
                     _ if power > 0 => rtol * unit.powi(power),
                     "reactions" => floor.max(1e-11 * energy),
                     "reactions_N" => floor.max(rtol * motion),
-                    "support_forces_N" | "support_moments_N_m" | "sections" | "probe_torque_N_m" | "probe_shear_N" => {
-                        floor.max(1e-11 * energy).max(rtol * motion.max(whole))
-                    }
+                    "support_forces_N"
+                    | "support_moments_N_m"
+                    | "sections"
+                    | "probe_torque_N_m"
+                    | "probe_shear_N" => floor.max(1e-11 * energy).max(rtol * motion.max(whole)),
                     key if TOGETHER.contains(&key) => floor.max(rtol * size(value)),
                     _ => floor,
                 };

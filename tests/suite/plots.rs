@@ -90,7 +90,15 @@ fn figures_of_statics_and_spin_up_are_complete() {
             &[
                 ("spinup-rub.svg", &["Gap", "Normal force", "ring at 0.2 m", "N"]),
                 ("orbit.svg", &["clearance of the ring", "largest radius"]),
-                ("forces.svg", &["Force across the shaft", "Force along y", "supports.0 at 0 m", "spinup.stators.0 at 0.2 m"]),
+                (
+                    "forces.svg",
+                    &[
+                        "Force across the shaft",
+                        "Force along y",
+                        "supports.0 at 0 m",
+                        "spinup.stators.0 at 0.2 m",
+                    ],
+                ),
             ],
         ),
         (
