@@ -8,8 +8,10 @@ use super::campbell::campbell;
 use super::estimates::{refuse_dependent, refuse_tiny_bore, slow_remark};
 use super::growth::{basis_error, closed_form};
 use super::orbit::{self, Orbit};
+use super::pressure::pressure_remarks;
 use super::probes::{Centre, displacement, element_at, growth_in, largest_strain, probe_states, profile};
 use super::remarks::Refusal;
+use super::rotation::bending_remark;
 use super::rub::RubRecorder;
 use super::statics::{hub_remark, newton_summary, pinned_remark, strain_remark};
 use super::stations::{Station, growth_along, headline, section_growth};
@@ -118,6 +120,7 @@ pub fn spinup(model: &Model, settings: &SpinupSettings, watch: Watch<'_>) -> Res
     refuse_dependent(model)?;
     refuse_tiny_bore(model)?;
     growth_remarks(model, &mut diagnostics);
+    pressure_remarks(model, &mut diagnostics);
     hub_remark(model, &mut diagnostics);
     slow_remark(model, drive.largest_speed(), &mut diagnostics);
     refuse_beyond_burst(model, drive.largest_speed())?;
@@ -227,6 +230,7 @@ fn steady(
         pinned_remark(&balance, &mut diagnostics);
         summary.modelled.push("centrifugal load, co-rotating equilibrium".to_owned());
         let q = balance.coordinates(&state.z);
+        bending_remark(assembly, &q, &mut diagnostics);
         Spinup {
             complete: true,
             last: spin_state(assembly, &q, None, speed),
@@ -693,6 +697,7 @@ impl<'a> Recorder<'a> {
         let t = self.last.0.t;
         let frame = self.frame;
         let integrator = model.spinup.as_ref().map(|s| s.integrator);
+        let (assembly, q) = (self.assembly, dynamics.coordinates(t, &self.last.0.z));
         let (mut results, rub) = self.results(dynamics, run.complete);
         if let Some(rub) = rub {
             let (rub, stators) = rub.finish(dynamics, t, &mut summary);
@@ -703,6 +708,7 @@ impl<'a> Recorder<'a> {
         }
         clear_remark(&results.last, &mut diagnostics);
         strain_remark(results.last.largest_strain, &mut diagnostics);
+        bending_remark(assembly, &q, &mut diagnostics);
         if !run.complete {
             diagnostics.push(Diagnostic::error(
                 "interrupted",

@@ -13,6 +13,7 @@ mod convergence_figure;
 mod decay;
 mod detect;
 mod disks;
+mod elastica;
 mod element;
 mod frames;
 mod golden;
