@@ -28,15 +28,19 @@ pub fn closed_form(section: &Section, material: &Material, speed: f64, r: f64) -
     Some(plane_strain - nu * axial * r)
 }
 
-/// Relative error of the radial displacement at radius r of a long body with the functions of a basis over its
-/// section: the solution of the same linear problem in these functions over the closed form.
-pub fn basis_error(section: &Section, material: &Material, basis: SectionBasis, r: f64) -> Option<f64> {
-    let b = section.outer[0];
-    let exact = closed_form(section, material, 1.0, r)?;
+/// In-plane displacements of every function, u_y before u_z, and the uniform axial strain of a long body under forces on
+/// its functions (N/m): the linear problem in the functions of a basis. With the functions themselves.
+pub fn long_body(
+    section: &Section,
+    material: &Material,
+    basis: SectionBasis,
+    forces: impl Fn(&SectionFunctions) -> [Vec<f64>; 2],
+) -> Option<(SectionFunctions, DVector<f64>)> {
     let (lambda, mu) = lame(material);
+    let b = section.outer[0];
     let products = SectionProducts::new(basis, section, b);
     let functions = SectionFunctions::new(basis, section, b);
-    let pull = [functions.integrals(section, 1, 0), functions.integrals(section, 0, 1)];
+    let pull = forces(&functions);
     let n = basis.count();
     // unknowns: u_y and u_z of every vector, and the uniform axial strain
     let size = 2 * n + 1;
@@ -49,7 +53,7 @@ pub fn basis_error(section: &Section, material: &Material, basis: SectionBasis, 
     }
     for i in 0..n {
         for c in 0..2 {
-            f[2 * i + c] = material.density * pull[c][i];
+            f[2 * i + c] = pull[c][i];
             let coupling = lambda * products.gradient(0, c + 1)[(0, i)];
             k[(2 * i + c, size - 1)] = coupling;
             k[(size - 1, 2 * i + c)] = coupling;
@@ -65,6 +69,19 @@ pub fn basis_error(section: &Section, material: &Material, basis: SectionBasis, 
     let scale = k.diagonal().map(|d| 1.0 / d.sqrt());
     let scaled = DMatrix::from_fn(size, size, |i, j| k[(i, j)] * scale[i] * scale[j]);
     let u = scaled.cholesky()?.solve(&f.component_mul(&scale)).component_mul(&scale);
+    Some((functions, u))
+}
+
+/// Relative error of the radial displacement at radius r of a long body with the functions of a basis over its
+/// section: the solution of the same linear problem in these functions over the closed form.
+pub fn basis_error(section: &Section, material: &Material, basis: SectionBasis, r: f64) -> Option<f64> {
+    let exact = closed_form(section, material, 1.0, r)?;
+    let pull = |functions: &SectionFunctions| {
+        [(1, 0), (0, 1)].map(|(a, b)| {
+            functions.integrals(section, a, b).into_iter().map(|f| material.density * f).collect()
+        })
+    };
+    let (functions, u) = long_body(section, material, basis, pull)?;
     let ours: f64 = functions.at(r, 0.0).iter().enumerate().map(|(i, f)| f[0] * u[2 * i]).sum();
     Some(ours / exact - 1.0)
 }

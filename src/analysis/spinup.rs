@@ -8,8 +8,10 @@ use super::equilibrium::{Balance, Equilibrium, NewtonSettings};
 use super::estimates::{refuse_dependent, refuse_tiny_bore, slow_remark};
 use super::growth::{basis_error, closed_form};
 use super::orbit::{self, Orbit};
+use super::pressure::pressure_remarks;
 use super::probes::{Centre, displacement, element_at, growth_in, largest_strain, probe_states, profile};
 use super::remarks::Refusal;
+use super::rotation::bending_remark;
 use super::rub::RubRecorder;
 use super::section_forces::{ForceReader, probe_section};
 use super::statics::{hub_remark, newton_summary, pinned_remark, strain_remark};
@@ -122,6 +124,7 @@ pub fn spinup(model: &Model, settings: &SpinupSettings, watch: Watch<'_>) -> Res
     refuse_dependent(model)?;
     refuse_tiny_bore(model)?;
     growth_remarks(model, &mut diagnostics);
+    pressure_remarks(model, &mut diagnostics);
     hub_remark(model, &mut diagnostics);
     slow_remark(model, fastest, &mut diagnostics);
     refuse_beyond_burst(model, fastest)?;
@@ -232,6 +235,7 @@ fn steady(
         summary.modelled.push("centrifugal load, co-rotating equilibrium".to_owned());
         let q = balance.coordinates(&state.z);
         let (reader, acting) = (ForceReader::new(assembly), balance.acting(&state.z, 1.0));
+        bending_remark(assembly, &q, &mut diagnostics);
         Spinup {
             complete: true,
             last: spin_state(assembly, &q, None, speed),
@@ -757,6 +761,7 @@ impl<'a> Recorder<'a> {
         let frame = self.frame;
         let integrator = model.spinup.as_ref().map(|s| s.integrator);
         let (counts, end) = (dynamics.counts, self.last.0.clone());
+        let (assembly, q) = (self.assembly, dynamics.coordinates(t, &self.last.0.z));
         let (mut results, rub) = self.results(dynamics, run.complete);
         if let Some(rub) = rub {
             let (rub, stators) = rub.finish(dynamics, t, &mut summary);
@@ -768,6 +773,7 @@ impl<'a> Recorder<'a> {
         results.sections = sections_at(dynamics, &end);
         clear_remark(&results.last, &mut diagnostics);
         strain_remark(results.last.largest_strain, &mut diagnostics);
+        bending_remark(assembly, &q, &mut diagnostics);
         if !run.complete {
             diagnostics.push(Diagnostic::error(
                 "interrupted",

@@ -2,7 +2,9 @@
 
 use super::equilibrium::{Balance, Equilibrium, NewtonSettings, dot};
 use super::estimates::{refuse_dependent, refuse_tiny_bore};
+use super::pressure::pressure_remarks;
 use super::probes::{axis_displacement, largest_strain, probe_states, profile};
+use super::rotation::bending_remark;
 use super::section_forces::ForceReader;
 use super::stations::{headline, in_rigid_hub};
 use super::{Outcome, model_remarks, nonlinear_summary};
@@ -49,6 +51,8 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
     }
     pinned_remark(&balance, &mut diagnostics);
     hub_remark(model, &mut diagnostics);
+    pressure_remarks(model, &mut diagnostics);
+    bending_remark(&assembly, &q, &mut diagnostics);
     let station = headline(model);
     let largest = largest_strain(&assembly, &q);
     strain_remark(largest, &mut diagnostics);

@@ -2,8 +2,11 @@
 
 use rotor::case::{Case, LoadedCase};
 use rotor::model::Model;
+use rotor::run::{Analysis, run};
 use serde_json::{Map, Value, json};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, LazyLock, Mutex, OnceLock};
 
 /// Every case of the repository that has a shaft.
 pub fn case_files() -> Vec<PathBuf> {
@@ -39,6 +42,32 @@ pub fn case(stem: &str) -> LoadedCase {
 pub fn fieldtest(stem: &str) -> LoadedCase {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fieldtest").join(format!("{stem}.json"));
     Case::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A report and its drawings.
+pub struct Kept {
+    pub json: Value,
+    pub plots: Vec<(String, String)>,
+}
+
+/// By the case as run and the analysis.
+static KEPT: LazyLock<Mutex<HashMap<String, Arc<OnceLock<Kept>>>>> = LazyLock::new(Default::default);
+
+/// The report of a case, run once for all tests that ask for it.
+pub fn report(case: &LoadedCase, analysis: Analysis) -> Arc<OnceLock<Kept>> {
+    let key = format!("{} {} {}", case.file, analysis.name(), case.value);
+    let place = Arc::clone(KEPT.lock().expect("reports").entry(key).or_default());
+    place.get_or_init(|| {
+        let finished =
+            run(case, analysis, true, &|_| (), &|_, _| true).unwrap_or_else(|e| panic!("{}: {e}", case.file));
+        Kept { json: finished.json, plots: finished.plots }
+    });
+    place
+}
+
+/// Its JSON.
+pub fn report_json(case: &LoadedCase, analysis: Analysis) -> Value {
+    report(case, analysis).get().expect("a report").json.clone()
 }
 
 /// A uniform shaft of steel (E 2.1e11, nu 0.3, rho 7800) with the keys of `more` added or replaced.

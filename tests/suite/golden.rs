@@ -1,7 +1,8 @@
 //! Every case against the reports in `tests/baselines/` (made by its `remake.sh`), numbers with a tolerance.
 
+use crate::common::report;
 use rotor::case::Case;
-use rotor::run::{Analysis, run};
+use rotor::run::Analysis;
 use serde_json::Value;
 use std::path::Path;
 
@@ -111,16 +112,16 @@ fn reports_are_as_kept() {
             if wanted {
                 let text = std::fs::read_to_string(&file).expect("report");
                 let kept: Value = serde_json::from_str(&text).expect("JSON");
-                let finished =
-                    run(&loaded, analysis, true, &|_| (), &|_, _| true).unwrap_or_else(|e| panic!("{e}"));
+                let finished = report(&loaded, analysis);
+                let finished = finished.get().expect("a report");
                 let rtol = match analysis {
                     Analysis::Spinup => 1e-3,
                     Analysis::Static => 1e-6,
                     _ => 1e-7,
                 };
                 compare(&format!("{stem}.{}", analysis.name()), &finished.json, &kept, rtol, 1e-9);
-                for (name, svg) in finished.plots {
-                    assert!(folder.join(&name).exists() && svg.contains("</svg>"), "{stem} {name}");
+                for (name, svg) in &finished.plots {
+                    assert!(folder.join(name).exists() && svg.contains("</svg>"), "{stem} {name}");
                 }
                 compared += 1;
             }
@@ -145,8 +146,8 @@ fn reports_of_scenes_are_as_kept() {
         }
         let kept: Value =
             serde_json::from_str(&std::fs::read_to_string(&file).expect("report")).expect("JSON");
-        let finished =
-            run(&loaded, Analysis::Contact, true, &|_| (), &|_, _| true).unwrap_or_else(|e| panic!("{e}"));
+        let finished = report(&loaded, Analysis::Contact);
+        let finished = finished.get().expect("a report");
         compare(&stem, &finished.json, &kept, 1e-6, 1e-9);
         // what it cost differs from run to run
         for (name, svg) in finished.plots.iter().filter(|(name, _)| name != "contact-cost.svg") {

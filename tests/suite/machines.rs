@@ -3,7 +3,7 @@
 //! Another processor sums in another order. Two things stand in for it: the kernels' vector instructions, which can be chosen, and
 //! inputs that are moved by a few units in the last place.
 
-use crate::common::{case, case_files, model, scene_files, shaken, with};
+use crate::common::{case, case_files, model, report_json, scene_files, shaken, with};
 use rotor::analysis::spinup::spinup;
 use rotor::case::{Case, LoadedCase};
 use rotor::instructions::Instructions;
@@ -68,7 +68,7 @@ fn words_survive_rounding_of_the_inputs() {
                 let what = format!("{} {}", path.display(), analysis.name());
                 same_words(
                     &what,
-                    &report(&loaded, analysis),
+                    &report_json(&loaded, analysis),
                     &report(&shaken(&loaded, 1 + k as u64), analysis),
                 );
             }
@@ -101,7 +101,7 @@ fn words_of_nonlinear_analyses_survive_rounding_of_the_inputs() {
             let what = path.display().to_string();
             same_words(
                 &what,
-                &report(&loaded, Analysis::Contact),
+                &report_json(&loaded, Analysis::Contact),
                 &report(&shaken(&loaded, 3), Analysis::Contact),
             );
         }
@@ -127,7 +127,7 @@ fn every_vector_width_tells_the_same() {
     ];
     for case in &cases {
         let widest = run_up(case, Instructions::Widest);
-        for &set in &sets {
+        for &set in sets.iter().filter(|set| **set != Instructions::Widest) {
             let ours = run_up(case, set);
             let (a, b) = (ours.last.growth_m, widest.last.growth_m);
             let size = b[0].abs().max(b[1].abs());

@@ -15,6 +15,7 @@ mod decay;
 mod detect;
 mod disks;
 mod drives;
+mod elastica;
 mod element;
 mod frames;
 mod golden;

@@ -199,7 +199,7 @@ pub fn mutated(cases: &'static LazyLock<Vec<Value>>) -> impl Strategy<Value = St
 }
 
 proptest! {
-    #![proptest_config(config(count(100_000)))]
+    #![proptest_config(config(count(40_000)))]
 
     #[test]
     fn mutated_cases_are_built_or_refused(text in mutated(&CASES)) {
@@ -208,7 +208,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(config(count(100_000) / 50))]
+    #![proptest_config(config(count(40_000) / 50))]
 
     #[test]
     fn mutated_cases_are_checked_or_refused(text in mutated(&CASES)) {
@@ -217,7 +217,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(config(count(100_000) / 10))]
+    #![proptest_config(config(count(40_000) / 10))]
 
     /// The text itself cut and overwritten.
     #[test]
@@ -235,7 +235,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(config(count(100_000) / 500))]
+    #![proptest_config(config(count(40_000) / 500))]
 
     /// Whole analyses of what is accepted: a report of numbers, or an error that says what failed.
     #[test]
@@ -253,7 +253,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(config(count(100_000) / 10))]
+    #![proptest_config(config(count(40_000) / 10))]
 
     #[test]
     fn mutated_scenes_are_built_or_refused(text in mutated(&SCENES)) {
@@ -262,7 +262,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(config(count(100_000) / 100))]
+    #![proptest_config(config(count(40_000) / 100))]
 
     #[test]
     fn mutated_scenes_are_checked_or_refused(text in mutated(&SCENES)) {
@@ -271,7 +271,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(config(count(100_000) / 500))]
+    #![proptest_config(config(count(40_000) / 500))]
 
     /// A few steps of what is accepted.
     #[test]

@@ -269,7 +269,7 @@ fn the_schema_refuses_what_the_program_refuses() {
 static TRIED: [AtomicUsize; 2] = [AtomicUsize::new(0), AtomicUsize::new(0)];
 
 proptest! {
-    #![proptest_config(config(count(100_000) / 10))]
+    #![proptest_config(config(count(40_000) / 10))]
 
     #[test]
     fn schema_and_program_agree_on_mutated_cases(text in mutated(&CASES)) {
@@ -281,7 +281,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(config(count(100_000) / 20))]
+    #![proptest_config(config(count(40_000) / 20))]
 
     #[test]
     fn schema_and_program_agree_on_mutated_scenes(text in mutated(&SCENES)) {

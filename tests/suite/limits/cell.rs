@@ -6,8 +6,8 @@ use rotor::error::Error;
 use rotor::model::Model;
 use rotor::results::{Diagnostic, Level};
 
-/// Factors on all lengths; what they change in a dimensionless result is rounding.
-const SCALES: [f64; 2] = [1.7, 0.37];
+/// Factor on all lengths of a copy; what it changes in a dimensionless result is rounding.
+const SCALE: f64 = 1.7;
 
 /// A value with the remarks of its run.
 pub type Measured = Result<(f64, Vec<Diagnostic>), Error>;
@@ -25,13 +25,13 @@ pub struct Cell {
     pub error: Option<f64>,
     /// Bound on the error.
     pub bound: f64,
-    /// Relative change of the result when all lengths are scaled: rounding.
+    /// Relative change of the result of the copy: rounding.
     pub noise: Option<f64>,
     /// Codes of the warnings before (`check`) and of the run.
     pub said: Vec<String>,
     /// Exit code and first line of a refusal.
     pub refused: Option<(u8, String)>,
-    /// What the same cell said when its inputs moved by a few units in the last place, where that is something else.
+    /// What the copy said, where that is something else.
     pub wavered: Option<String>,
 }
 
@@ -68,8 +68,9 @@ fn codes(list: &[Diagnostic]) -> Vec<String> {
     said
 }
 
-/// Measures a cell: the value of `case` against `exact`, and against copies of other size, whose values are those of
-/// the case times `scale^power`.
+/// Measures a cell: the value of `case` against `exact`, and against one copy of other size, whose value is that of the
+/// case times `scale^power`. Every quantity of the copy is moved by a few units in the last place, so that it tells both
+/// what rounding does to the number and whether the words survive it.
 pub fn cell(
     family: &'static str,
     name: impl Into<String>,
@@ -93,28 +94,28 @@ pub fn cell(
     let refused =
         |e: Error| Some((e.exit_code(), e.to_string().lines().next().unwrap_or_default().to_owned()));
     let checked = Model::new(case).and_then(|model| check(&model));
+    let mut first = f64::NAN;
     match (checked, measure(case)) {
         (Ok(checked), Ok((value, remarks))) => {
+            first = value;
             made.error = Some((value / exact - 1.0).abs());
             made.said = codes(&[checked.diagnostics, remarks].concat());
-            let copy = |scale: f64| measure(&crate::scale::scaled(&case.case, scale)).map(|m| m.0);
-            let change = |scale: f64| {
-                copy(scale).map_or(f64::INFINITY, |v| (v / (value * scale.powi(power)) - 1.0).abs())
-            };
-            made.noise = (power != 0).then(|| SCALES.into_iter().map(change).fold(0.0, f64::max));
         }
         (Err(e), _) | (_, Err(e)) => made.refused = refused(e),
     }
-    // a run of a million steps is not repeated
+    // a run of so many steps is not repeated
     if family == "transient steps" {
         return made;
     }
-    let moved = crate::common::shaken(case, 11);
+    let scale = if power == 0 { 1.0 } else { SCALE };
+    let moved = crate::common::shaken(&crate::scale::scaled(&case.case, scale), 11);
     let checked = Model::new(&moved).and_then(|model| check(&model));
     made.wavered = match (checked, measure(&moved), &made.refused) {
         (Ok(checked), Ok((value, remarks)), None) => {
+            let value = value / scale.powi(power);
             let (said, error) =
                 (codes(&[checked.diagnostics, remarks].concat()), (value / exact - 1.0).abs());
+            made.noise = (power != 0).then(|| (value / first - 1.0).abs());
             let crossed = (error <= bound) != made.error.is_some_and(|e| e <= bound);
             (said != made.said || (crossed && !made.is_rounded()))
                 .then(|| format!("{} at an error of {error:e}", said.join(", ")))

@@ -142,7 +142,7 @@ pub fn drift(steps: usize) -> Cell {
     let case = turning(circle(0.1), 2.0, 1, "34X1", spin);
     cell(
         "transient steps",
-        "generalized-alpha, a million of 10 us",
+        "generalized-alpha, 200 000 of 10 us",
         "energy that is lost",
         &case,
         energy,
