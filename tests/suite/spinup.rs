@@ -276,7 +276,8 @@ fn a_drive_that_only_turns_leaves_a_rotor_on_its_bearings() {
 #[test]
 fn a_drive_that_only_turns_gives_the_torque_of_inertia() {
     let law = json!([[1e7, 0], [0, 1e7]]);
-    for (at, frame, rtol) in [(0.0, "rotating", 1e-6), (0.5, "rotating", 1e-6), (0.3, "inertial", 1e-9)] {
+    // a balanced shaft does not move: atol alone speaks
+    for (at, frame, atol) in [(0.0, "rotating", 1e-10), (0.5, "rotating", 1e-10), (0.3, "inertial", 1e-6)] {
         let case = shaft(
             json!({ "shape": "circle", "radius": 0.03 }),
             1.0,
@@ -285,7 +286,7 @@ fn a_drive_that_only_turns_gives_the_torque_of_inertia() {
                 "supports": [{ "at": 0, "kind": "bearing", "stiffness": law }, { "at": 1, "kind": "bearing", "stiffness": law }],
                 "disks": [{ "at": 0.5, "mass": 20, "polar_inertia": 0.2, "diametral_inertia": 0.15 }],
                 "spinup": { "drive": [{ "until": 0.5, "speed": 100 }], "driven_at": at, "frame": frame, "output": 51,
-                            "rtol": rtol, "atol": 1e-10 }
+                            "rtol": 1e-6, "atol": atol }
             }),
         );
         let outcome = run(&case);
