@@ -211,7 +211,14 @@ impl<'a> Balance<'a> {
 
     /// Forces that the supports exert on all coordinates in equilibrium under a share of the load, N.
     pub fn reactions_at(&self, z: &[f64], load: f64) -> Vec<f64> {
-        self.imbalance(&self.coordinates(z), load, self.speed * load.sqrt(), &mut Workspace::default()).0
+        let (q, speed) = (self.coordinates(z), self.speed * load.sqrt());
+        let (mut held, _) = self.imbalance(&q, load, speed, &mut Workspace::default());
+        // a bearing at the node of a support carries its own part
+        self.add_of_bearings(&q, spring, &mut held);
+        if self.drag.is_some() {
+            self.add_bearing_drag(&q, speed, &mut held);
+        }
+        held
     }
 
     /// All that acts in equilibrium under a share of the load, in the axes of the turning frame.
@@ -220,7 +227,6 @@ impl<'a> Balance<'a> {
         let speed = self.speed * load.sqrt();
         let mut outer = vec![0.0; position.len()];
         self.subtract_outer(&position, load, speed, &mut outer);
-        let spring = |b: &Bearing, [y, z]: [f64; 2]| b.stiffness.map(|k| k[0] * y + k[1] * z);
         self.add_of_bearings(&position, spring, &mut outer);
         if self.drag.is_some() {
             self.add_bearing_drag(&position, speed, &mut outer);
@@ -345,6 +351,11 @@ impl<'a> Balance<'a> {
         }
         Ok(None)
     }
+}
+
+/// Force of a bearing's springs against the displacement that it feels, N.
+fn spring(bearing: &Bearing, [y, z]: [f64; 2]) -> [f64; 2] {
+    bearing.stiffness.map(|k| k[0] * y + k[1] * z)
 }
 
 /// `J q`, `e_x x` every vector.

@@ -105,7 +105,7 @@ pub fn bending_remark(assembly: &Assembly<'_>, q: &[f64], diagnostics: &mut Vec<
             "coarse-bending",
             format!(
                 "an element turns by {:.1} degrees from end to end, which makes the shaft too stiff: displacements are about {:.0} % \
-                 too small, within a factor of two (docs/theory.md section 11); more elements{}",
+                 too small (on cantilevers within a factor of 2.3, docs/theory.md section 11); more elements{}",
                 largest.to_degrees(),
                 100.0 * error,
                 if assembly.model.elements.iter().any(|e| e.kind.axial_degree == 2) {

@@ -381,3 +381,22 @@ fn sections_stand_left_and_right_of_what_acts() {
     near(s.torque_n_m[7], 0.0, 7.0, 1e-9, "beyond the moment");
     near(s.moment_z_n_m[7], 0.0, 100.0, 1e-7, "a roller holds no tilt");
 }
+
+/// A support that stands where a bearing does tells its own reaction: one that holds x alone carries nothing of the weight.
+#[test]
+fn a_support_beside_a_bearing_tells_its_own_reaction() {
+    let law = json!([[1e7, 2e6], [-2e6, 2e7]]);
+    let found = hold(&shaft(
+        round(),
+        1.0,
+        4,
+        json!({
+            "supports": [{ "at": 0, "fix": ["r.x", "y.z"] }, { "at": 0, "kind": "bearing", "stiffness": law },
+                         { "at": 1, "kind": "bearing", "stiffness": law }],
+            "gravity": [0, -GRAVITY, 0]
+        }),
+    ));
+    let [_, y, z] = found.reactions[0].force_n;
+    near(y.hypot(z), 0.0, weight(), 1e-6, "reaction across");
+    near(found.support_forces.forces_n["supports.1"][1], weight() / 2.0, weight(), 1e-6, "bearing");
+}
