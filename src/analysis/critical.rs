@@ -267,18 +267,19 @@ fn left_over(operators: &Operators, spectrum: &Spectrum, critical: &Critical) ->
 fn complex_shapes(spectrum: &Spectrum, values: Vec<f64>, vectors: Mat<f64>) -> Vec<Critical> {
     let n = vectors.nrows() / 2;
     let mut kept: Vec<(f64, Vec<c64>, Vec<c64>)> = Vec::new();
+    let images = [vectors.get(..n, ..), vectors.get(n.., ..)].map(|part| spectrum.stiffness_times(part));
     for (j, value) in values.into_iter().enumerate() {
         let mut shape: Vec<c64> = (0..n).map(|i| c64::new(vectors[(i, j)], vectors[(i + n, j)])).collect();
-        let before = energy_image(spectrum, &shape);
-        let length = product(&shape, &before).re;
+        let mut image: Vec<c64> = (0..n).map(|i| c64::new(images[0][(i, j)], images[1][(i, j)])).collect();
+        let length = product(&shape, &image).re;
         for (other, x, kx) in &kept {
             // eigenvectors of other values have no share in it
             if (value / other - 1.0).abs() < NEAR {
                 let share = product(kx, &shape) / product(kx, x);
                 shape.iter_mut().zip(x).for_each(|(s, x)| *s -= share * x);
+                image.iter_mut().zip(kx).for_each(|(s, kx)| *s -= share * kx);
             }
         }
-        let image = energy_image(spectrum, &shape);
         if product(&shape, &image).re > 1e-6 * length {
             kept.push((value, shape, image));
         }

@@ -5,7 +5,7 @@ use super::campbell::Solver;
 use super::character::Character;
 use super::critical::{self, Critical, Criticals};
 use super::reduced::{Solution, Whirling};
-use super::tracking::{follow, likeness};
+use super::tracking::{follow, most_like};
 use crate::error::Result;
 use crate::results::{CriticalSpeed, Diagnostic, ModeKind, Whirl};
 use std::f64::consts::PI;
@@ -252,10 +252,7 @@ impl Solver<'_> {
             }
             speed = next;
             let solution = self.solve(speed)?;
-            let alike = |m: &Whirling| likeness(m, motion);
-            let Some(here) = solution.motions.iter().max_by(|p, q| alike(p).total_cmp(&alike(q))) else {
-                break;
-            };
+            let Some(here) = most_like(&solution, motion) else { break };
             found = here.clone();
             let f = here.lambda.im - speed;
             if f == 0.0 {

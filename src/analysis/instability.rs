@@ -3,7 +3,7 @@
 use super::branches::Tracked;
 use super::campbell::Solver;
 use super::reduced::{Solution, Whirling};
-use super::tracking::likeness;
+use super::tracking::most_like;
 use crate::error::Result;
 use crate::results::{Diagnostic, ModeKind, UnstableRange};
 use std::f64::consts::PI;
@@ -125,9 +125,7 @@ impl Solver<'_> {
 
     /// The motion at a speed that is most like another.
     fn alike(&self, speed: f64, motion: &Whirling) -> Result<Option<Whirling>> {
-        let solution = self.solve(speed)?;
-        let best = solution.motions.into_iter().map(|m| (likeness(&m, motion), m));
-        Ok(best.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, m)| m))
+        Ok(most_like(&self.solve(speed)?, motion).cloned())
     }
 
     /// Speed between a stable and an unstable one at which the motion begins to grow: by false position where it decays on

@@ -5,6 +5,7 @@ use super::reduced::{Overdamped, Reduced, Solution, Whirling};
 use super::state::AtSpeed;
 use crate::error::Result;
 use crate::linalg::dense::{general, self_adjoint};
+use crate::linalg::skew::skew_eigenpairs;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef, c64};
 
@@ -54,15 +55,13 @@ impl Reduced {
     /// The motions of a skew state matrix.
     fn undamped(&self, at: &AtSpeed<'_>) -> Result<Vec<Whirling>> {
         let (zero, largest) = self.range();
-        let a = at.state_matrix();
-        let hermitian = Mat::from_fn(a.nrows(), a.ncols(), |i, j| c64::new(0.0, a[(i, j)]));
-        let (values, vectors) = self_adjoint(hermitian.as_ref())?;
-        let oscillating = (0..values.len()).filter(|&k| values[k] < -zero);
+        let (values, vectors) = skew_eigenpairs(at.state_matrix().as_ref())?;
+        let oscillating = (0..values.len()).filter(|&k| values[k] > zero);
         let motion = |k: usize| {
             let right = column(vectors.as_ref(), k);
             // the solver's error is a rounding of the highest frequency: far below it, sharpen
-            let sharp = -values[k] >= ZERO * largest;
-            let frequency = if sharp { -values[k] } else { at.rayleigh(&right, -values[k]) };
+            let sharp = values[k] >= ZERO * largest;
+            let frequency = if sharp { values[k] } else { at.rayleigh(&right, values[k]) };
             Whirling { lambda: c64::new(0.0, frequency), right, left: None, noise: 0.0 }
         };
         Ok(oscillating.map(motion).collect())

@@ -178,12 +178,13 @@ impl Reduced {
         let forces =
             Mat::from_fn(n, 2 * m, |i, j| if j < m { residual(i, j).re } else { residual(i, j - m).im });
         let answers = spectrum.flexibility.solve(forces.clone());
-        let stiffness = |x: &Mat<f64>, j: usize| -> f64 {
-            let k = spectrum.stiffness_times(x.subcols(j, 1));
-            x.col(j).transpose() * k.col(0)
-        };
         let energy = |j: usize| -> f64 { answers.col(j).transpose() * forces.col(j) };
-        let scale: Vec<f64> = (0..m).map(|j| stiffness(&real, j) + stiffness(&imaginary, j)).collect();
+        let energies = |x: &Mat<f64>| -> Vec<f64> {
+            let images = spectrum.stiffness_times(x.as_ref());
+            (0..m).map(|j| x.col(j).transpose() * images.col(j)).collect()
+        };
+        let scale: Vec<f64> =
+            energies(&real).iter().zip(energies(&imaginary)).map(|(re, im)| re + im).collect();
         let imbalance = |j: usize| ((energy(j) + energy(j + m)).max(0.0) / scale[j]).sqrt();
         let worst = (0..m).map(imbalance).fold(0.0, f64::max);
         let answers = columns(&answers, |j| energy(j) > BALANCED * scale[j % m]);

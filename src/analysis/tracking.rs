@@ -7,7 +7,7 @@
 
 use super::reduced::{Solution, Whirling};
 use crate::error::Result;
-use faer::c64;
+use faer::{Mat, c64};
 
 /// Likeness from which a continuation is certain: no second motion can reach it.
 const CERTAIN: f64 = 0.7;
@@ -26,25 +26,67 @@ pub struct Continuation {
     pub extra: usize,
 }
 
-/// `1` when two motions are the same, near `0` when they have nothing in common.
+/// How alike motions (rows) are to others (columns): `1` when two are the same, near `0` when they have nothing in common.
 ///
 /// A motion stands for its complex conjugate too: in the rotating frame a forward whirl passes through zero
 /// frequency and comes out as the conjugate. Where two frequencies meet at zero and part on the real axis, the
 /// products of left and right vectors would be at least one half; doubled, they are certain.
-pub fn likeness(a: &Whirling, b: &Whirling) -> f64 {
-    let product = |x: &[c64], y: &[c64]| -> (f64, f64) {
-        let (mut plain, mut conjugate) = (c64::new(0.0, 0.0), c64::new(0.0, 0.0));
-        for (x, y) in x.iter().zip(y) {
-            plain += x.conj() * y;
-            conjugate += x.conj() * y.conj();
-        }
-        (plain.norm(), conjugate.norm())
+fn likenesses(from: &[&Whirling], to: &[Whirling]) -> Vec<Vec<f64>> {
+    if from.is_empty() || to.is_empty() {
+        return vec![Vec::new(); from.len()];
+    }
+    let to: Vec<&Whirling> = to.iter().collect();
+    let forth = products(left, from, right, &to);
+    let back = (from.iter().chain(&to).any(|motion| motion.left.is_some()))
+        .then(|| products(left, &to, right, from));
+    let entry = |i: usize, j: usize| {
+        let (plain, conjugate) = forth(i, j);
+        let (plain_back, conjugate_back) = match &back {
+            Some(back) => back(j, i),
+            None => (plain, conjugate),
+        };
+        let meets = (from[i].lambda.im == 0.0) != (to[j].lambda.im == 0.0);
+        (plain * plain_back).max(conjugate * conjugate_back) * if meets { 2.0 } else { 1.0 }
     };
-    let (left_a, left_b) = (a.left.as_ref().unwrap_or(&a.right), b.left.as_ref().unwrap_or(&b.right));
-    let (forth, back) = (product(left_a, &b.right), product(left_b, &a.right));
-    let (plain, conjugate) = (forth.0 * back.0, forth.1 * back.1);
-    let meets = (a.lambda.im == 0.0) != (b.lambda.im == 0.0);
-    plain.max(conjugate) * if meets { 2.0 } else { 1.0 }
+    (0..from.len()).map(|i| (0..to.len()).map(|j| entry(i, j)).collect()).collect()
+}
+
+/// The motion of a solution that is most like another.
+pub fn most_like<'a>(solution: &'a Solution, motion: &Whirling) -> Option<&'a Whirling> {
+    let likeness = likenesses(&[motion], &solution.motions).pop().unwrap_or_default();
+    let best = likeness.iter().zip(&solution.motions).max_by(|a, b| a.0.total_cmp(b.0));
+    best.map(|(_, motion)| motion)
+}
+
+fn right(motion: &Whirling) -> &[c64] {
+    &motion.right
+}
+
+fn left(motion: &Whirling) -> &[c64] {
+    motion.left.as_ref().unwrap_or(&motion.right)
+}
+
+/// `|x_i^H y_j|` and `|x_i^T y_j|` for vectors of motions, from products of their real and imaginary parts.
+fn products(
+    of_rows: fn(&Whirling) -> &[c64],
+    rows: &[&Whirling],
+    of_columns: fn(&Whirling) -> &[c64],
+    columns: &[&Whirling],
+) -> impl Fn(usize, usize) -> (f64, f64) {
+    let part = |list: &[&Whirling], of: fn(&Whirling) -> &[c64], part: fn(&c64) -> f64| {
+        let size = list.first().map_or(0, |motion| of(motion).len());
+        Mat::from_fn(size, list.len(), |i, j| part(&of(list[j])[i]))
+    };
+    let parts = |list: &[&Whirling], of: fn(&Whirling) -> &[c64]| {
+        (part(list, of, |z| z.re), part(list, of, |z| z.im))
+    };
+    let ((xr, xi), (yr, yi)) = (parts(rows, of_rows), parts(columns, of_columns));
+    let (rr, ii) = (xr.transpose() * &yr, xi.transpose() * &yi);
+    let (ri, ir) = (xr.transpose() * &yi, xi.transpose() * &yr);
+    move |i, j| {
+        let at = (i, j);
+        ((rr[at] + ii[at]).hypot(ri[at] - ir[at]), (rr[at] - ii[at]).hypot(ri[at] + ir[at]))
+    }
 }
 
 /// Continues the motions `followed` of `from` to the speed of `to`, halving the interval where needed.
@@ -67,10 +109,7 @@ fn follow_within(
     followed: &[usize],
     depth: usize,
 ) -> Result<Continuation> {
-    let table: Vec<Vec<f64>> = followed
-        .iter()
-        .map(|&i| to.motions.iter().map(|b| likeness(&from.motions[i], b)).collect())
-        .collect();
+    let table = likenesses(&followed.iter().map(|&i| &from.motions[i]).collect::<Vec<_>>(), &to.motions);
     let assigned = assign(&table);
     let value = |k: usize| assigned[k].map_or(0.0, |j| table[k][j]);
     let certain = (0..followed.len()).all(|k| value(k) >= CERTAIN);

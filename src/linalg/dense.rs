@@ -169,7 +169,7 @@ fn sharpen(a: &Mat<c64>, lambda: c64, x: &mut Mat<c64>, j: usize, norm: f64) {
 }
 
 /// The power of two that brings `norm` to about one (exact, so no digit is lost).
-fn unit_scale(norm: f64) -> Result<f64> {
+pub(super) fn unit_scale(norm: f64) -> Result<f64> {
     if norm == 0.0 {
         Ok(1.0)
     } else if norm.is_finite() {
@@ -179,7 +179,7 @@ fn unit_scale(norm: f64) -> Result<f64> {
     }
 }
 
-fn no_convergence(what: String) -> Error {
+pub(super) fn no_convergence(what: String) -> Error {
     Error::analysis(
         "a reduced eigenproblem could not be solved",
         what,

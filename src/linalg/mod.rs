@@ -10,4 +10,5 @@ pub mod gmres;
 pub mod lanczos;
 pub mod lcp;
 pub mod lu;
+pub mod skew;
 pub mod sparse;

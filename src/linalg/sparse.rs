@@ -1,9 +1,11 @@
 //! Sparse matrices by columns, both triangles stored.
 
+use crate::instructions::Instructions;
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use faer::traits::ComplexField;
 use faer::traits::ext::ComplexFieldExt;
 use faer::{Mat, MatRef};
+use pulp::NullaryFnOnce;
 
 /// Real sparse matrix, compressed by columns, rows ascending.
 pub type Sparse = SparseColMat<usize, f64>;
@@ -14,30 +16,62 @@ const LANES: usize = 8;
 /// `A X`.
 pub fn multiply(a: &Sparse, x: MatRef<'_, f64>) -> Mat<f64> {
     let mut y = Mat::zeros(a.nrows(), x.ncols());
-    let (starts, rows, values) = (a.symbolic().col_ptr(), a.symbolic().row_idx(), a.val());
-    let mut sum = vec![[0.0; LANES]; a.nrows()];
-    for first in (0..x.ncols()).step_by(LANES) {
-        let width = LANES.min(x.ncols() - first);
-        sum.fill([0.0; LANES]);
-        for j in 0..a.ncols() {
-            let mut factor = [0.0; LANES];
-            for (k, f) in factor[..width].iter_mut().enumerate() {
-                *f = x[(j, first + k)];
-            }
-            let column = starts[j]..starts[j + 1];
-            for (&row, &value) in rows[column.clone()].iter().zip(&values[column]) {
-                for (s, f) in sum[row].iter_mut().zip(&factor) {
-                    *s += value * f;
-                }
-            }
+    if let Some(arch) = Instructions::Widest.arch() {
+        arch.dispatch(Product { a, x, y: &mut y });
+    }
+    y
+}
+
+/// A product that is compiled for each set of vector instructions.
+struct Product<'a> {
+    a: &'a Sparse,
+    x: MatRef<'a, f64>,
+    y: &'a mut Mat<f64>,
+}
+
+impl NullaryFnOnce for Product<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { a, x, y } = self;
+        let columns = x.ncols();
+        let mut first = 0;
+        while first < columns {
+            first += match columns - first {
+                1 => lanes::<1>(a, x, y, first),
+                2 => lanes::<2>(a, x, y, first),
+                3 | 4 => lanes::<4>(a, x, y, first),
+                _ => lanes::<LANES>(a, x, y, first),
+            };
         }
+    }
+}
+
+/// `N` columns of a product, or as many as there are; returns how many.
+#[inline(always)]
+fn lanes<const N: usize>(a: &Sparse, x: MatRef<'_, f64>, y: &mut Mat<f64>, first: usize) -> usize {
+    let width = N.min(x.ncols() - first);
+    let (starts, rows, values) = (a.symbolic().col_ptr(), a.symbolic().row_idx(), a.val());
+    let mut sum = vec![[0.0; N]; a.nrows()];
+    for j in 0..a.ncols() {
+        let mut factor = [0.0; N];
         for k in 0..width {
-            for (target, s) in y.col_mut(first + k).iter_mut().zip(&sum) {
-                *target = s[k];
+            factor[k] = x[(j, first + k)];
+        }
+        for at in starts[j]..starts[j + 1] {
+            let (target, value) = (&mut sum[rows[at]], values[at]);
+            for k in 0..N {
+                target[k] += value * factor[k];
             }
         }
     }
-    y
+    for k in 0..width {
+        for i in 0..sum.len() {
+            y[(i, first + k)] = sum[i][k];
+        }
+    }
+    width
 }
 
 /// Norm of `|A| |x|` (absolute values entry by entry): the scale of the rounding error of `A x`.
@@ -60,34 +94,52 @@ pub fn absolute_product(a: &Sparse, x: &[f64]) -> Vec<f64> {
 pub fn combine<T: ComplexField<Real = f64> + std::ops::AddAssign>(
     terms: &[(T, &Sparse)],
 ) -> SparseColMat<usize, T> {
-    let n = terms.first().map_or(0, |(_, a)| a.ncols());
-    let mut starts = vec![0];
-    let (mut rows, mut values): (Vec<usize>, Vec<T>) = (Vec::new(), Vec::new());
-    let mut at: Vec<usize> = Vec::new();
-    for j in 0..n {
-        at.clear();
-        at.extend(terms.iter().map(|(_, a)| a.symbolic().col_ptr()[j]));
-        loop {
-            let next = terms
-                .iter()
-                .zip(&at)
-                .filter(|((_, a), at)| **at < a.symbolic().col_ptr()[j + 1])
-                .map(|((_, a), at)| a.symbolic().row_idx()[*at])
-                .min();
-            let Some(row) = next else { break };
-            let mut sum = T::zero_impl();
-            for ((factor, a), at) in terms.iter().zip(at.iter_mut()) {
-                if *at < a.symbolic().col_ptr()[j + 1] && a.symbolic().row_idx()[*at] == row {
-                    sum += factor.mul_real(a.val()[*at]);
-                    *at += 1;
-                }
-            }
-            rows.push(row);
-            values.push(sum);
+    let Some(((factor, first), rest)) = terms.split_first() else {
+        return from_columns(0, vec![0], Vec::new(), Vec::new());
+    };
+    let (mut starts, mut rows) = (first.symbolic().col_ptr().to_vec(), first.symbolic().row_idx().to_vec());
+    let mut values: Vec<T> = first.val().iter().map(|v| factor.mul_real(*v)).collect();
+    for (factor, a) in rest {
+        if starts == a.symbolic().col_ptr() && rows == a.symbolic().row_idx() {
+            values.iter_mut().zip(a.val()).for_each(|(sum, v)| *sum += factor.mul_real(*v));
+        } else {
+            (starts, rows, values) = merged((&starts, &rows, &values), factor, a);
         }
-        starts.push(rows.len());
     }
-    from_columns(n, starts, rows, values)
+    from_columns(first.ncols(), starts, rows, values)
+}
+
+/// A matrix by its columns (starts, rows, values) plus `factor A`, by its columns.
+fn merged<T: ComplexField<Real = f64> + std::ops::AddAssign>(
+    (starts, rows, values): (&[usize], &[usize], &[T]),
+    factor: &T,
+    a: &Sparse,
+) -> (Vec<usize>, Vec<usize>, Vec<T>) {
+    let (other_starts, other_rows, other_values) = (a.symbolic().col_ptr(), a.symbolic().row_idx(), a.val());
+    let room = rows.len().max(other_rows.len());
+    let mut sum = (Vec::with_capacity(starts.len()), Vec::with_capacity(room), Vec::with_capacity(room));
+    sum.0.push(0);
+    for j in 0..a.ncols() {
+        let (mut k, mut l) = (starts[j], other_starts[j]);
+        let (end, other_end) = (starts[j + 1], other_starts[j + 1]);
+        while k < end || l < other_end {
+            let row = if k < end { rows[k] } else { usize::MAX };
+            let other = if l < other_end { other_rows[l] } else { usize::MAX };
+            sum.1.push(row.min(other));
+            let mut value = T::zero_impl();
+            if row <= other {
+                value = values[k].clone();
+                k += 1;
+            }
+            if other <= row {
+                value += factor.mul_real(other_values[l]);
+                l += 1;
+            }
+            sum.2.push(value);
+        }
+        sum.0.push(sum.1.len());
+    }
+    sum
 }
 
 /// `(A + A^T) / 2`.

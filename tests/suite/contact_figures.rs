@@ -39,8 +39,8 @@ const METHODS: [(&str, &str); 3] =
 /// history's forces times its intervals.
 #[test]
 fn impulses_of_events_are_the_momentum_exchanged() {
-    let equal = (case("bar-impact"), [78.5, 78.5], [2e-4, 1e-4, 5e-5]);
-    let unequal = (fieldtest("impulse_of_unequal_bars"), [78.5, 785.0], [5e-5, 2.5e-5, 1.25e-5]);
+    let equal = (case("bar-impact"), [78.5, 78.5], [2e-4, 5e-5]);
+    let unequal = (fieldtest("impulse_of_unequal_bars"), [78.5, 785.0], [5e-5, 2.5e-5]);
     for (loaded, masses, steps) in [equal, unequal] {
         for (method, integrator) in METHODS {
             for step in steps {
@@ -199,15 +199,13 @@ fn bars_end_to_end_shorten_by_their_share() {
 fn a_failed_run_by_complementarity_names_the_step_that_works() {
     let lcp = |loaded: &LoadedCase, set: Value| with(&with(loaded, json!({ "contact.method": "lcp" })), set);
     let bars = lcp(&fieldtest("impulse_of_unequal_bars"), json!({}));
-    let finer = lcp(&bars, json!({ "bodies.0.elements": 32, "bodies.1.elements": 48 }));
     let side = lcp(&case("side-to-side"), json!({ "contact.until": 0.26 }));
     let pendulums = lcp(&case("pendulums"), json!({ "contact.until": 0.56 }));
     let spaghetti = lcp(&case("flying-spaghetti"), json!({ "contact.until": 2.9 }));
     let list = [
         (&bars, vec![2e-4, 1e-3], true),
-        (&finer, vec![1e-3], true),
-        (&side, vec![1e-3, 2e-3], true),
-        (&pendulums, vec![5e-4, 4e-3], false),
+        (&side, vec![2e-3], true),
+        (&pendulums, vec![4e-3], false),
         (&spaghetti, vec![1e-3], false),
     ];
     for (loaded, steps, once) in list {

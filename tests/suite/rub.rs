@@ -327,11 +327,8 @@ fn the_newton_matrix_knows_the_ring() {
 fn a_ring_that_is_never_near_costs_and_changes_nothing() {
     for (integrator, frame) in [
         ("esdirk", "rotating"),
-        ("esdirk", "inertial"),
-        ("generalized-alpha", "rotating"),
         ("generalized-alpha", "inertial"),
         ("adams", "rotating"),
-        ("adams", "inertial"),
     ] {
         let set = json!({ "spinup.integrator": integrator, "spinup.frame": frame });
         let far = bouncing(
@@ -591,12 +588,9 @@ fn the_first_contact_converges_with_the_tolerance() {
     let mut finest: Vec<f64> = Vec::new();
     for (integrator, tolerance) in [
         ("esdirk", 1e-7),
-        ("esdirk", 1e-6),
         ("esdirk", 1e-5),
         ("esdirk", 1e-4),
-        ("generalized-alpha", 1e-7),
         ("generalized-alpha", 1e-6),
-        ("generalized-alpha", 1e-5),
         ("generalized-alpha", 1e-4),
         ("esdirk in the inertial frame", 1e-5),
     ] {

@@ -33,7 +33,7 @@ fn unbalanced(section: &str, more: Value) -> LoadedCase {
                          { "at": 1, "kind": "cylindrical", "section": section, "driven": section == "rigid" }],
             "gravity": [0, -9.81, 0],
             "probes": [{ "name": "rim", "at": 0.5, "y": 0.02 }],
-            "spinup": { "drive": [{ "until": 0.1, "speed": 200 }], "until": 0.15, "rtol": 1e-7, "atol": 1e-10, "output": 16 }
+            "spinup": { "drive": [{ "until": 0.1, "speed": 200 }], "until": 0.15, "rtol": 1e-6, "atol": 1e-9, "output": 16 }
         }),
     );
     with(&base, more)
@@ -108,7 +108,7 @@ fn integrators_converge_with_their_order() {
 /// Steady whirl of a rigid rotor on isotropic bearings: `r = e W^2 / |k/m - W^2 + i c W/m|`.
 #[test]
 fn an_unbalanced_rotor_on_bearings_whirls_as_jeffcott_says() {
-    let (k, c, mass, e, speed) = (2e5, 400.0, 40.0, 1e-4, 120.0);
+    let (k, c, mass, e, speed) = (2e5, 1600.0, 40.0, 1e-4, 120.0);
     let law = |v: f64| json!([[v / 2.0, 0.0], [0.0, v / 2.0]]);
     for frame in ["rotating", "inertial"] {
         let case = shaft(
@@ -123,8 +123,8 @@ fn an_unbalanced_rotor_on_bearings_whirls_as_jeffcott_says() {
                     { "at": 0.4, "kind": "bearing", "stiffness": law(k), "damping": law(c) },
                     { "at": 0.2, "fix": ["r.x", "y.z"] }
                 ],
-                "spinup": { "drive": [{ "until": 0.2, "speed": speed }], "until": 2.2, "output": 221, "frame": frame,
-                            "rtol": 1e-6, "atol": 1e-9 }
+                "spinup": { "drive": [{ "until": 0.2, "speed": speed }], "until": 0.7, "output": 71, "frame": frame,
+                            "rtol": 1e-5, "atol": 1e-8 }
             }),
         );
         let outcome = run(&case);

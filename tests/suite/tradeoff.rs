@@ -542,8 +542,8 @@ fn a_study_that_was_broken_off_goes_on() {
     for signal in ["-INT", "-KILL"] {
         let folder = workplace(|case| {
             case["tradeoff"]["grid"] = json!({
-                "shaft.element": ["34X4", "34X5"],
-                "shaft.segments.0.elements": [40, 42, 44, 46, 48, 50, 52, 54, 56, 58]
+                "shaft.element": ["34X3", "34X4"],
+                "shaft.segments.0.elements": [20, 21, 22, 23, 24, 25, 26, 27, 28, 29]
             });
         });
         let run = ["tradeoff", "short.json", "--out", "o"];
