@@ -10,8 +10,7 @@
 //! more points lock. Coordinates: node by node `r_x, r_y, b_x, b_y`. Source: docs/theory.md section 13.
 
 use crate::model::scene::PlanarSection;
-use nalgebra::SVector;
-use num_dual::{DualNum, gradient, hessian};
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 /// Nodes of an element.
 pub const NODES: usize = 3;
@@ -36,7 +35,7 @@ struct Station {
     thickness: bool,
 }
 
-/// Internal force, tangent and mass of 2322s; the derivatives of the energy are exact (dual numbers).
+/// Internal force, tangent and mass of 2322s.
 #[derive(Debug, Clone)]
 pub struct PlanarElement {
     section: PlanarSection,
@@ -57,7 +56,10 @@ pub fn slopes(xi: f64) -> [f64; NODES] {
 /// `d^2 L_i/dxi^2`.
 pub const CURVATURES: [f64; NODES] = [1.0, -2.0, 1.0];
 
-type Quantities<T> = SVector<T, QUANTITIES>;
+/// `r'`, b and c.
+type Quantities = SVector<f64, QUANTITIES>;
+/// Second derivatives by them.
+type Curvature = SMatrix<f64, QUANTITIES, QUANTITIES>;
 
 impl PlanarElement {
     /// An element of that length, m.
@@ -79,26 +81,46 @@ impl PlanarElement {
         Self { section, length, stations }
     }
 
-    /// Energy per length, J/m.
-    fn density<T: DualNum<f64> + Copy>(&self, thickness: bool, v: &Quantities<T>) -> T {
-        let [slope, b, c] = [0, 2, 4].map(|k| [v[k], v[k + 1]]);
-        let squared = b[0] * b[0] + b[1] * b[1];
+    /// Energy per length psi, J/m, and `d psi/dv`.
+    fn slope(&self, thickness: bool, v: &Quantities) -> (f64, Quantities) {
         if thickness {
-            let strain = (squared - 1.0) * 0.5;
-            return strain * strain * (0.5 * self.section.thickness);
+            let (strain, b) = stretch_across(v);
+            let stiffness = self.section.thickness;
+            return (0.5 * stiffness * strain * strain, in_place(b * (stiffness * strain), 2));
         }
-        let per_length = squared.sqrt().recip();
-        let stretch = (slope[0] * b[1] - slope[1] * b[0]) * per_length - 1.0;
-        let shear = (slope[0] * b[0] + slope[1] * b[1]) * per_length;
-        let curvature = (b[0] * c[1] - b[1] * c[0]) / squared;
-        stretch * stretch * (0.5 * self.section.axial)
-            + shear * shear * (0.5 * self.section.shear)
-            + curvature * curvature * (0.5 * self.section.bending)
+        let mut sum = (0.0, Quantities::zeros());
+        for (stiffness, strain) in self.stiffnesses().into_iter().zip(strains(v)) {
+            sum.0 += 0.5 * stiffness * strain.value * strain.value;
+            sum.1 += strain.slope * (stiffness * strain.value);
+        }
+        sum
+    }
+
+    /// `d psi/dv` and `d^2 psi/dv^2`.
+    fn curvature(&self, thickness: bool, v: &Quantities) -> (Quantities, Curvature) {
+        let (_, slope) = self.slope(thickness, v);
+        let mut sum = Curvature::zeros();
+        if thickness {
+            let (strain, b) = stretch_across(v);
+            let block = (Matrix2::identity() * strain + b * b.transpose()) * self.section.thickness;
+            sum.fixed_view_mut::<2, 2>(2, 2).copy_from(&block);
+        } else {
+            let strains = strains(v).into_iter().zip(strain_curvatures(v));
+            for (stiffness, (strain, curvature)) in self.stiffnesses().into_iter().zip(strains) {
+                sum += (strain.slope * strain.slope.transpose() + curvature * strain.value) * stiffness;
+            }
+        }
+        (slope, sum)
+    }
+
+    /// Stiffnesses of [`strains`].
+    fn stiffnesses(&self) -> [f64; 3] {
+        [self.section.axial, self.section.shear, self.section.bending]
     }
 
     /// Strain energy U, J.
     pub fn energy(&self, q: &[f64]) -> f64 {
-        self.stations.iter().map(|s| s.weight * self.density(s.thickness, &s.quantities(q))).sum()
+        self.stations.iter().map(|s| s.weight * self.slope(s.thickness, &s.quantities(q)).0).sum()
     }
 
     /// Internal force `dU/dq` (N on r, N m on b) into `force`; returns the strain energy U, J.
@@ -106,7 +128,7 @@ impl PlanarElement {
         force.fill(0.0);
         let mut energy = 0.0;
         for s in &self.stations {
-            let (density, slope) = gradient(|v| self.density(s.thickness, &v), &s.quantities(q));
+            let (density, slope) = self.slope(s.thickness, &s.quantities(q));
             energy += s.weight * density;
             s.scatter(&slope, force);
         }
@@ -117,7 +139,7 @@ impl PlanarElement {
     pub fn tangent(&self, q: &[f64]) -> [[f64; SIZE]; SIZE] {
         let mut tangent = [[0.0; SIZE]; SIZE];
         for s in &self.stations {
-            let (_, _, curvature) = hessian(|v| self.density(s.thickness, &v), &s.quantities(q));
+            let (_, curvature) = self.curvature(s.thickness, &s.quantities(q));
             s.scatter_matrix(&curvature, &mut tangent);
         }
         tangent
@@ -142,12 +164,12 @@ impl PlanarElement {
         for s in &self.stations {
             let (v0, v1) = (s.quantities(q0), s.quantities(q1));
             let (middle, change) = ((v0 + v1) / 2.0, v1 - v0);
-            let density = |v: &Quantities<f64>| self.density(s.thickness, v);
-            let (_, slope, curvature) = hessian(|v| self.density(s.thickness, &v), &middle);
-            let (last, slope1) = gradient(|v| self.density(s.thickness, &v), &v1);
+            let (slope, curvature) = self.curvature(s.thickness, &middle);
+            let (first, _) = self.slope(s.thickness, &v0);
+            let (last, slope1) = self.slope(s.thickness, &v1);
             let scaled = change.component_mul(&scale);
             let size = change.dot(&scaled);
-            let defect = last - density(&v0) - slope.dot(&change);
+            let defect = last - first - slope.dot(&change);
             let moved = size > NO_CHANGE;
             let factor = if moved { defect / size } else { 0.0 };
             s.scatter(&(slope + scaled * factor), force);
@@ -193,7 +215,7 @@ pub fn moment_on_vector(moment: f64, b: [f64; 2]) -> [f64; 2] {
 }
 
 impl Station {
-    fn quantities(&self, q: &[f64]) -> Quantities<f64> {
+    fn quantities(&self, q: &[f64]) -> Quantities {
         let mut v = Quantities::zeros();
         for i in 0..NODES {
             for c in 0..2 {
@@ -206,7 +228,7 @@ impl Station {
         v
     }
 
-    fn scatter(&self, slope: &Quantities<f64>, force: &mut [f64; SIZE]) {
+    fn scatter(&self, slope: &Quantities, force: &mut [f64; SIZE]) {
         for i in 0..NODES {
             for c in 0..2 {
                 force[PER_NODE * i + c] += self.weight * self.slopes[i] * slope[c];
@@ -216,30 +238,141 @@ impl Station {
         }
     }
 
-    /// Factors of the coordinates `(node, vector)` in the section quantities, as `(quantity, factor)`.
-    fn factors(&self, node: usize, vector: usize) -> [(usize, f64); 2] {
-        match vector {
-            0 => [(0, self.slopes[node]), (0, 0.0)],
-            _ => [(2, self.values[node]), (4, self.slopes[node])],
+    /// Adds `weight B^T m B`, B being the derivative of the quantities by the coordinates.
+    fn scatter_matrix(&self, m: &Curvature, tangent: &mut [[f64; SIZE]; SIZE]) {
+        // weight B^T m
+        let mut left = [[0.0; QUANTITIES]; SIZE];
+        for i in 0..NODES {
+            let (value, slope) = (self.weight * self.values[i], self.weight * self.slopes[i]);
+            for c in 0..2 {
+                for l in 0..QUANTITIES {
+                    left[PER_NODE * i + c][l] = slope * m[(c, l)];
+                    left[PER_NODE * i + 2 + c][l] = value * m[(2 + c, l)] + slope * m[(4 + c, l)];
+                }
+            }
+        }
+        for (row, left) in tangent.iter_mut().zip(&left) {
+            for j in 0..NODES {
+                let (value, slope) = (self.values[j], self.slopes[j]);
+                for c in 0..2 {
+                    row[PER_NODE * j + c] += left[c] * slope;
+                    row[PER_NODE * j + 2 + c] += left[2 + c] * value + left[4 + c] * slope;
+                }
+            }
         }
     }
+}
 
-    fn scatter_matrix(
-        &self,
-        m: &nalgebra::SMatrix<f64, QUANTITIES, QUANTITIES>,
-        tangent: &mut [[f64; SIZE]; SIZE],
-    ) {
-        for row in 0..SIZE {
-            let (i, a) = (row / PER_NODE, row % PER_NODE);
-            for column in 0..SIZE {
-                let (j, b) = (column / PER_NODE, column % PER_NODE);
-                let mut sum = 0.0;
-                for (k, f) in self.factors(i, a / 2) {
-                    for (l, g) in self.factors(j, b / 2) {
-                        sum += f * g * m[(k + a % 2, l + b % 2)];
-                    }
+/// A strain and its derivative by the section quantities.
+struct Strain {
+    value: f64,
+    slope: Quantities,
+}
+
+/// A vector at a place of the section quantities.
+fn in_place(part: Vector2<f64>, at: usize) -> Quantities {
+    let mut v = Quantities::zeros();
+    v[at] = part.x;
+    v[at + 1] = part.y;
+    v
+}
+
+/// `r'`, b and c.
+fn vectors(v: &Quantities) -> [Vector2<f64>; 3] {
+    [0, 2, 4].map(|k| Vector2::new(v[k], v[k + 1]))
+}
+
+/// `(b.b - 1)/2` and b.
+fn stretch_across(v: &Quantities) -> (f64, Vector2<f64>) {
+    let [_, b, _] = vectors(v);
+    ((b.norm_squared() - 1.0) / 2.0, b)
+}
+
+/// `(a_2, -a_1)`, so that `x . turned(a)` is the product `x x a` of the plane.
+fn turned(a: Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(a.y, -a.x)
+}
+
+/// `Gamma_1, Gamma_2, kappa`.
+fn strains(v: &Quantities) -> [Strain; 3] {
+    let [s, b, c] = vectors(v);
+    let n2 = b.norm_squared();
+    let n = n2.sqrt();
+    let (across, along, bent) = (s.dot(&turned(b)), s.dot(&b), b.dot(&turned(c)));
+    let per_length = |x: f64, by_s: Vector2<f64>, by_b: Vector2<f64>| {
+        in_place(by_s / n, 0) + in_place(by_b / n - b * (x / (n * n2)), 2)
+    };
+    let by_b = turned(c) / n2 - b * (2.0 * bent / (n2 * n2));
+    [
+        Strain { value: across / n - 1.0, slope: per_length(across, turned(b), -turned(s)) },
+        Strain { value: along / n, slope: per_length(along, b, s) },
+        Strain { value: bent / n2, slope: in_place(by_b, 2) - in_place(turned(b) / n2, 4) },
+    ]
+}
+
+/// Second derivatives of [`strains`].
+fn strain_curvatures(v: &Quantities) -> [Curvature; 3] {
+    let [s, b, c] = vectors(v);
+    let n2 = b.norm_squared();
+    let n = n2.sqrt();
+    let (one, turn) = (Matrix2::identity(), Matrix2::new(0.0, 1.0, -1.0, 0.0));
+    let both = b * b.transpose();
+    // of x/|b|^p by b twice, x being linear in b
+    let by_b = |x: f64, slope: Vector2<f64>, p: f64, length: f64| {
+        let mixed = slope * b.transpose();
+        (mixed + mixed.transpose() + one * x) * (-p / (length * n2))
+            + both * (p * (p + 2.0) * x / (length * n2 * n2))
+    };
+    let (across, along, bent) = (s.dot(&turned(b)), s.dot(&b), b.dot(&turned(c)));
+    let mut list = [Curvature::zeros(); 3];
+    let mut set = |strain: usize, row: usize, column: usize, block: Matrix2<f64>| {
+        list[strain].fixed_view_mut::<2, 2>(row, column).copy_from(&block);
+        list[strain].fixed_view_mut::<2, 2>(column, row).copy_from(&block.transpose());
+    };
+    set(0, 0, 2, turn / n - turned(b) * b.transpose() / (n * n2));
+    set(0, 2, 2, by_b(across, -turned(s), 1.0, n));
+    set(1, 0, 2, one / n - both / (n * n2));
+    set(1, 2, 2, by_b(along, s, 1.0, n));
+    set(2, 2, 4, turn / n2 + b * turned(b).transpose() * (2.0 / (n2 * n2)));
+    set(2, 2, 2, by_b(bent, turned(c), 2.0, n2));
+    list
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Slope and curvature of the energy against differences of it, at states with every strain.
+    #[test]
+    fn derivatives_are_those_of_the_energy() {
+        let section = PlanarSection {
+            mass: 3.0,
+            inertia: 0.02,
+            axial: 70.0,
+            shear: 30.0,
+            bending: 2.0,
+            thickness: 50.0,
+        };
+        let element = PlanarElement::new(section, 0.7);
+        for state in 0..4 {
+            let part = |k: usize| 0.2 * (f64::from(state) * 1.7 + k as f64).sin();
+            let v = Quantities::from([1.1 + part(0), part(1), part(2), 0.9 + part(3), part(4), part(5)]);
+            for thickness in [false, true] {
+                let (slope, curvature) = element.curvature(thickness, &v);
+                for k in 0..QUANTITIES {
+                    let h = 1e-5;
+                    let at = |step: f64| {
+                        let mut moved = v;
+                        moved[k] += step * h;
+                        element.slope(thickness, &moved)
+                    };
+                    let (ahead, behind) = (at(1.0), at(-1.0));
+                    let by_energy = (ahead.0 - behind.0) / (2.0 * h);
+                    assert!((by_energy - slope[k]).abs() < 1e-7, "{state} {k}: {by_energy} {}", slope[k]);
+                    let by_slope = (ahead.1 - behind.1) / (2.0 * h);
+                    let miss = (by_slope - curvature.column(k)).amax();
+                    assert!(miss < 1e-7, "{state} {k}: {miss:e}");
                 }
-                tangent[row][column] += self.weight * sum;
             }
         }
     }

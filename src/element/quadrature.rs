@@ -2,9 +2,20 @@
 
 use crate::section::{Section, Shape};
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 /// Points and weights on [-1, 1], exact for polynomials up to degree `2 count - 1`.
 pub fn gauss(count: usize) -> Vec<(f64, f64)> {
+    match RULES.get(count) {
+        Some(rule) => rule.get_or_init(|| solved(count)).clone(),
+        None => solved(count),
+    }
+}
+
+/// Rules that were asked for before, by their number of points.
+static RULES: [OnceLock<Vec<(f64, f64)>>; 64] = [const { OnceLock::new() }; 64];
+
+fn solved(count: usize) -> Vec<(f64, f64)> {
     (0..count)
         .map(|k| {
             // Newton's method on the Legendre polynomial from Tricomi's estimate of its root

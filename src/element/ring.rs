@@ -136,38 +136,35 @@ pub fn products(
     let angles = 2 * harmonics + 4;
     // columns: value, by y, by z, d_theta
     let n = list.len();
-    let mut sums = [(); 16].map(|()| Mat::<f64>::zeros(n, n));
+    let mut sums = [(); 16].map(|()| vec![0.0; n * n]);
     for (rho, _, w) in ring.across(ring.points(2 * degree + 2, 1e-17)) {
         for j in 0..angles {
             let theta = 2.0 * PI * j as f64 / angles as f64;
             let (sin, cos) = theta.sin_cos();
             let weight = w * rho * cy * cz * 2.0 * PI / angles as f64;
-            let at: Vec<[f64; 4]> = ring
-                .functions(&list, reference_length, rho, theta)
-                .into_iter()
-                .map(|f| {
-                    let turn = f.radial * sin * cos * (cy / cz - cz / cy)
-                        + f.hoop * (cos * cos * cy / cz + sin * sin * cz / cy);
-                    let by_y = (cos * f.radial - sin * f.hoop) / cy;
-                    let by_z = (sin * f.radial + cos * f.hoop) / cz;
-                    [f.value, by_y, by_z, rho * turn]
-                })
-                .collect();
+            let mut at = [(); 4].map(|()| Vec::with_capacity(n));
+            for f in ring.functions(&list, reference_length, rho, theta) {
+                let turn = f.radial * sin * cos * (cy / cz - cz / cy)
+                    + f.hoop * (cos * cos * cy / cz + sin * sin * cz / cy);
+                let by_y = (cos * f.radial - sin * f.hoop) / cy;
+                let by_z = (sin * f.radial + cos * f.hoop) / cz;
+                let values = [f.value, by_y, by_z, rho * turn];
+                at.iter_mut().zip(values).for_each(|(list, value)| list.push(value));
+            }
             for (pair, sum) in sums.iter_mut().enumerate() {
                 let (a, b) = (pair / 4, pair % 4);
                 // symmetric ones and those of d_theta are needed only
                 if a == 3 && b != 3 || b == 3 && a != 3 && a != 0 || a > b {
                     continue;
                 }
-                for l in 0..n {
-                    let right = weight * at[l][b];
-                    for k in 0..n {
-                        sum[(k, l)] += at[k][a] * right;
-                    }
+                for (column, right) in sum.chunks_exact_mut(n).zip(&at[b]) {
+                    let right = weight * right;
+                    column.iter_mut().zip(&at[a]).for_each(|(sum, left)| *sum += left * right);
                 }
             }
         }
     }
+    let sums = sums.map(|sum| Mat::from_fn(n, n, |k, l| sum[l * n + k]));
     let odd = crate::vectors::SectionBasis::Ring { degree, harmonics }.odd();
     let clean = |a: usize, b: usize| {
         let (sum, left, right) = (&sums[4 * a + b], &sums[5 * a], &sums[5 * b]);

@@ -216,7 +216,7 @@ fn material_damping_and_its_instability_threshold() {
     // threshold: forward decay alpha/2 + beta w (w - Omega)/2 vanishes at Omega = w + alpha/(beta w)
     let threshold = w + alpha / (beta * w);
     let both =
-        crate::common::campbell(&base(json!({ "mass": alpha, "stiffness": beta }), 2.0 * threshold, 41));
+        crate::common::campbell(&base(json!({ "mass": alpha, "stiffness": beta }), 2.0 * threshold, 21));
     let forward = both.branches.iter().find(|b| b.name == "1F").expect("1F");
     let unstable =
         forward.log_decrement.iter().position(|d| d.expect("a decrement") < 0.0).expect("unstable");

@@ -310,7 +310,7 @@ fn patch_test_between_unequal_meshes() {
 fn two_bars_meet_for_twice_the_time_of_a_wave() {
     let bars = case("bar-impact");
     let wave = 2.0 / (SOFT / 7850.0_f64).sqrt();
-    for (factor, step, tolerance) in [(2.0, 2e-4, 0.01), (20.0, 5e-5, 0.01), (200.0, 2e-5, 0.01)] {
+    for (factor, step, tolerance) in [(2.0, 2e-4, 0.01), (200.0, 2e-5, 0.01)] {
         let result = run(&with(&bars, json!({ "contact.penalty": factor * SOFT, "contact.step": step })));
         let (first, last) = (&result.events[0], result.events.last().expect("an event"));
         let time = (last.until_s.expect("an end") - first.time_s) / wave;
@@ -374,7 +374,7 @@ fn pendulums_keep_their_energy() {
 /// So do they with a step that resolves how points slide past corners: what a point in contact may touch has no steps.
 #[test]
 fn pendulums_meet_in_small_steps() {
-    let set = json!({ "contact.until": 0.4985, "contact.step": 5e-5, "contact.output": 2 });
+    let set = json!({ "contact.until": 0.4985, "contact.step": 1e-4, "contact.output": 2 });
     let result = run(&with(&case("pendulums"), set));
     assert!(result.converged && result.solver.cut == 0, "{:?}", result.solver);
     assert!(result.solver.most_iterations < 12, "{:?}", result.solver);

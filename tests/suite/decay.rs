@@ -145,7 +145,8 @@ fn thresholds_of_rotating_damping() {
         )
     };
     for density in [1.0, 1e-3] {
-        for ratio in [0.0, 0.25, 0.5, 1.0, 2.0, 4.0] {
+        let ratios = if density < 0.1 { &[0.0, 1.0, 4.0][..] } else { &[0.0, 0.25, 0.5, 1.0, 2.0, 4.0] };
+        for &ratio in ratios {
             let (found, _) = run(&case(ratio, density, 5));
             let w = named(&found, "1F").frequency_rad_s[0].expect("a frequency");
             let threshold = found.stability_threshold_rad_s.expect("a threshold");

@@ -177,7 +177,7 @@ fn both_frames_are_one_theory_with_damping() {
                     { "at": 0, "kind": "bearing", "stiffness": [[2e7, 1e6], [-1e6, 2e7]], "damping": [[2e3, 0], [0, 2e3]] },
                     { "at": 2, "kind": "bearing", "stiffness": [[3e7, 0], [0, 3e7]], "damping": [[1e3, 200], [-200, 1e3]] }
                 ],
-                "campbell": sweep(json!({ "to": 500, "count": 6 }), 8, frame, "consistent", json!(80))
+                "campbell": sweep(json!({ "to": 500, "count": 4 }), 8, frame, "consistent", json!(80))
             }),
         )
     };
@@ -187,7 +187,7 @@ fn both_frames_are_one_theory_with_damping() {
         Some((w, -w * found.branches[b].log_decrement[k]? / std::f64::consts::TAU))
     };
     let mut compared = 0;
-    for k in 0..6 {
+    for k in 0..4 {
         let speed = stationary.speeds_rad_s[k];
         for (b, branch) in stationary.branches.iter().enumerate() {
             let (w, growth) = value(&stationary, b, k).expect("oscillating");
@@ -210,7 +210,7 @@ fn both_frames_are_one_theory_with_damping() {
             compared += usize::from(nearest <= 1e-6 * w);
         }
     }
-    assert!(compared >= 30, "{compared}");
+    assert!(compared >= 20, "{compared}");
     // cross-coupling and rotating damping drive the shaft: both frames name the same ranges
     let ranges = |found: &Campbell| found.unstable_ranges.clone();
     assert_eq!(ranges(&stationary).len(), ranges(&rotating).len());

@@ -296,9 +296,9 @@ fn a_load_torque_is_met_by_the_drive() {
     let more = json!({
         "supports": [{ "at": 0, "kind": "revolute" }, { "at": 1, "kind": "cylindrical", "driven": false }],
         "loads": [{ "at": 1, "moment": [-40, 0, 0] }],
-        "spinup": { "drive": [{ "until": 0.5, "speed": 100 }], "until": 1.0, "rtol": 1e-8, "atol": 1e-12, "output": 41 }
+        "spinup": { "drive": [{ "until": 0.5, "speed": 100 }], "until": 1.0, "rtol": 1e-7, "atol": 1e-11, "output": 41 }
     });
-    let found = run(&shaft(json!({ "shape": "circle", "radius": 0.05 }), 1.0, 4, more));
+    let found = run(&shaft(json!({ "shape": "circle", "radius": 0.05 }), 1.0, 2, more));
     let history = found.history.as_ref().expect("history");
     let inertia = 7800.0 * PI * 0.05_f64.powi(4) / 2.0;
     for (k, t) in history.time_s.iter().enumerate() {

