@@ -57,6 +57,9 @@ pub struct Balance<'a> {
     pub unresisted: Vec<String>,
 }
 
+/// States that an extrapolation goes through.
+const PATH: usize = 4;
+
 /// How Newton's method is run.
 #[derive(Debug, Clone, Copy)]
 pub struct NewtonSettings {
@@ -266,14 +269,28 @@ impl<'a> Balance<'a> {
         };
         let mut step = 1.0 / settings.load_steps as f64;
         let mut work = Workspace::default();
+        // states on the way, for a start that is nearer than the last one
+        let mut path = vec![(0.0, state.z.clone())];
         while state.load_factor < 1.0 {
             let target = (state.load_factor + step).min(1.0);
             // the last stretch is not left to rounding
             let target = if target > 1.0 - 1e-9 { 1.0 } else { target };
-            if let Some(next) = self.step(&state.z, target, settings, &mut work, &mut state.iterations)? {
+            let ahead = extrapolated(&path, target);
+            let mut next = None;
+            for start in ahead.iter().chain([&state.z]) {
+                next = self.step(start, target, settings, &mut work, &mut state.iterations)?;
+                if next.is_some() {
+                    break;
+                }
+            }
+            if let Some(next) = next {
                 (state.z, state.residual, state.unstable) = next;
                 state.load_factor = target;
                 state.steps += 1;
+                path.push((target, state.z.clone()));
+                if path.len() > PATH {
+                    path.remove(0);
+                }
                 continue;
             }
             state.cuts += 1;
@@ -351,6 +368,18 @@ impl<'a> Balance<'a> {
         }
         Ok(None)
     }
+}
+
+/// The polynomial through states on a path (load factor, state), at another load factor; `None` for a single state.
+fn extrapolated(path: &[(f64, Vec<f64>)], load: f64) -> Option<Vec<f64>> {
+    let (_, last) = path.last().filter(|_| path.len() > 1)?;
+    let weight = |i: usize| -> f64 {
+        let others = path.iter().enumerate().filter(|(j, _)| *j != i);
+        others.map(|(_, (other, _))| (load - other) / (path[i].0 - other)).product()
+    };
+    let weights: Vec<f64> = (0..path.len()).map(weight).collect();
+    let at = |k: usize| path.iter().zip(&weights).map(|((_, z), w)| w * z[k]).sum();
+    Some((0..last.len()).map(at).collect())
 }
 
 /// Force of a bearing's springs against the displacement that it feels, N.
