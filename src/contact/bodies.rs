@@ -386,16 +386,25 @@ impl<'a> Bodies<'a> {
         })
     }
 
-    /// Force of planar bodies whose work from `q0` to `q1` is the change of the strain energy; its derivative by `q1` is added
-    /// to the entries.
-    pub fn average_force(&self, q0: &[f64], q1: &[f64], force: &mut [f64], entries: &mut Entries) {
+    /// Force of planar bodies whose work from `q0` to `q1` is the change of the strain energy; with `entries` its derivative by
+    /// `q1` is added there.
+    pub fn average_force(
+        &self,
+        q0: &[f64],
+        q1: &[f64],
+        force: &mut [f64],
+        mut entries: Option<&mut Entries>,
+    ) {
         force.fill(0.0);
         let (mut f, mut k) = ([0.0; planar::SIZE], [[0.0; planar::SIZE]; planar::SIZE]);
         for (element, at) in self.planar_elements() {
             let range = at..at + planar::SIZE;
-            element.average_force(&q0[range.clone()], &q1[range.clone()], &mut f, &mut k);
+            let tangent = entries.is_some().then_some(&mut k);
+            element.average_force(&q0[range.clone()], &q1[range.clone()], &mut f, tangent);
             force[range].iter_mut().zip(f).for_each(|(t, f)| *t += f);
-            self.add_square(at, planar::SIZE, &|i, j| k[i][j], entries);
+            if let Some(entries) = entries.as_deref_mut() {
+                self.add_square(at, planar::SIZE, &|i, j| k[i][j], entries);
+            }
         }
     }
 

@@ -119,23 +119,27 @@ pub fn nearest(points: &[Vector3<f64>; 3], x: &Vector3<f64>) -> f64 {
     let c = [p.dot(&d), d.dot(&d) + 2.0 * p.dot(&e), 3.0 * d.dot(&e), 2.0 * e.dot(&e)];
     let slope = |z: f64| c[0] + z * (c[1] + z * (c[2] + z * c[3]));
     let second = |z: f64| c[1] + z * (2.0 * c[2] + z * 3.0 * c[3]);
-    let mut bounds = vec![-1.0];
+    // -1, roots of the second derivative, 1
+    let (mut bounds, mut count) = ([-1.0; 4], 1);
     let discriminant = c[2] * c[2] - 3.0 * c[3] * c[1];
     if discriminant > 0.0 {
         // both roots without cancellation
         let root = -(c[2] + c[2].signum() * discriminant.sqrt());
         let mut pair = [root / (3.0 * c[3]), c[1] / root];
         pair.sort_by(f64::total_cmp);
-        bounds.extend(pair.into_iter().filter(|z| z.abs() < 1.0));
+        for z in pair.into_iter().filter(|z| z.abs() < 1.0) {
+            bounds[count] = z;
+            count += 1;
+        }
     }
-    bounds.push(1.0);
+    bounds[count] = 1.0;
     let mut best = [-1.0, 1.0];
     let distance = |z: f64| (on_curve(points, z) - x).norm_squared();
     if distance(best[1]) < distance(best[0]) {
         best.swap(0, 1);
     }
     let mut best = best[0];
-    for pair in bounds.windows(2) {
+    for pair in bounds[..=count].windows(2) {
         let (mut low, mut high) = (pair[0], pair[1]);
         if !(slope(low) < 0.0 && slope(high) > 0.0) {
             continue;

@@ -1,6 +1,7 @@
 //! Penalty contact: every penetrating probe is a spring, `V = w g^2/2`, with analytic force and tangent; and its discrete
 //! gradient between two states. Source: docs/theory.md section 13.
 
+use super::boundary::Hit;
 use super::gap::{Gap, along, product};
 use crate::linalg::lu::Entries;
 use nalgebra::{DMatrix, Vector3};
@@ -147,14 +148,16 @@ pub fn add(
 /// A spring between two states: its gap at either end, and halfway.
 #[derive(Debug, Clone)]
 pub struct Stroke {
+    /// Number of its probe.
+    pub probe: usize,
     /// Halfway.
     pub middle: Spring,
     /// Gap at the first state, m.
     pub before: f64,
-    /// At the second, with its derivative.
+    /// At the second.
     pub after: f64,
-    /// `dg/dq` at the second state.
-    pub gradient: Vec<(usize, f64)>,
+    /// What is met at the second state, for the derivative of the gap.
+    pub hit_after: Option<Hit>,
 }
 
 /// The force of a stroke, the one whose work between the states is the change of the energy.
@@ -209,8 +212,11 @@ impl Stroke {
     }
 }
 
-/// Adds the force whose work between the states is the change of the energy, and its derivative by the second state (up to the
-/// change of the weights in a correction of third order) to `tangent`.
+/// `dg/dq` of a stroke at its second state.
+pub type GapGradient<'a> = &'a dyn Fn(&Stroke) -> Vec<(usize, f64)>;
+
+/// Adds the force whose work between the states is the change of the energy and, where it is wanted, its derivative by the second
+/// state (up to the change of the weights in a correction of third order) to `tangent`.
 ///
 /// The force is `phi D`, `D = (S - M)(x)(n + s d/|d|^2)`, as in [`Stroke::average`].
 pub fn add_average(
@@ -218,7 +224,7 @@ pub fn add_average(
     q: [&[f64]; 3],
     components: usize,
     force: &mut [f64],
-    tangent: &mut Sums,
+    mut tangent: Option<(&mut Sums, GapGradient<'_>)>,
 ) {
     let [q0, q1, middle] = q;
     for stroke in strokes {
@@ -227,6 +233,8 @@ pub fn add_average(
         let weights = gap.difference();
         let gradient = along(&weights, &direction, components);
         gradient.iter().for_each(|(k, value)| force[*k] += phi * value);
+        let Some((tangent, gradient_after)) = &mut tangent else { continue };
+        let after = gradient_after(stroke);
         // share d: its direction turns with d, its size with both gaps
         let squared = moved.norm_squared();
         let turning = if squared > MOVED { phi / squared } else { 0.0 };
@@ -237,7 +245,7 @@ pub fn add_average(
             .map(|((_, value), (_, turn))| slope * value + turning * turn)
             .collect();
         let rows = coordinates(&gradient);
-        add_product(tangent.block(rows.clone(), coordinates(&stroke.gradient)), &by_gap, &stroke.gradient);
+        add_product(tangent.block(rows.clone(), coordinates(&after)), &by_gap, &after);
         let sum = tangent.block(rows.clone(), rows);
         let curved = gap.curvature(middle, components).matrix;
         sum.zip_apply(&curved, |sum, value| *sum += 0.5 * phi * value);

@@ -96,9 +96,8 @@ impl PlanarElement {
         sum
     }
 
-    /// `d psi/dv` and `d^2 psi/dv^2`.
-    fn curvature(&self, thickness: bool, v: &Quantities) -> (Quantities, Curvature) {
-        let (_, slope) = self.slope(thickness, v);
+    /// `d^2 psi/dv^2`.
+    fn curvature(&self, thickness: bool, v: &Quantities) -> Curvature {
         let mut sum = Curvature::zeros();
         if thickness {
             let (strain, b) = stretch_across(v);
@@ -110,7 +109,7 @@ impl PlanarElement {
                 sum += (strain.slope * strain.slope.transpose() + curvature * strain.value) * stiffness;
             }
         }
-        (slope, sum)
+        sum
     }
 
     /// Stiffnesses of [`strains`].
@@ -139,14 +138,14 @@ impl PlanarElement {
     pub fn tangent(&self, q: &[f64]) -> [[f64; SIZE]; SIZE] {
         let mut tangent = [[0.0; SIZE]; SIZE];
         for s in &self.stations {
-            let (_, curvature) = self.curvature(s.thickness, &s.quantities(q));
+            let curvature = self.curvature(s.thickness, &s.quantities(q));
             s.scatter_matrix(&curvature, &mut tangent);
         }
         tangent
     }
 
-    /// Force between two states whose work is exactly the change of the strain energy, `f . (q1 - q0) = U1 - U0`, and its
-    /// derivative by `q1`: at every station the discrete gradient of Gonzalez (J. Nonlinear Sci. 6, 1996) in the section
+    /// Force between two states whose work is exactly the change of the strain energy, `f . (q1 - q0) = U1 - U0`, and, where it
+    /// is wanted, its derivative by `q1`: at every station the discrete gradient of Gonzalez (J. Nonlinear Sci. 6, 1996) in the section
     /// quantities v, which translations do not change:
     ///
     /// `psi_v(mid) + a S dv`, `a = (psi_1 - psi_0 - psi_v(mid).dv)/(dv.S dv)`, S giving c its length.
@@ -155,16 +154,18 @@ impl PlanarElement {
         q0: &[f64],
         q1: &[f64],
         force: &mut [f64; SIZE],
-        tangent: &mut [[f64; SIZE]; SIZE],
+        mut tangent: Option<&mut [[f64; SIZE]; SIZE]>,
     ) {
         force.fill(0.0);
-        *tangent = [[0.0; SIZE]; SIZE];
+        if let Some(tangent) = tangent.as_deref_mut() {
+            *tangent = [[0.0; SIZE]; SIZE];
+        }
         let radius = self.section.inertia / self.section.mass;
         let scale = Quantities::from([1.0, 1.0, 1.0, 1.0, radius, radius]);
         for s in &self.stations {
             let (v0, v1) = (s.quantities(q0), s.quantities(q1));
             let (middle, change) = ((v0 + v1) / 2.0, v1 - v0);
-            let (slope, curvature) = self.curvature(s.thickness, &middle);
+            let (_, slope) = self.slope(s.thickness, &middle);
             let (first, _) = self.slope(s.thickness, &v0);
             let (last, slope1) = self.slope(s.thickness, &v1);
             let scaled = change.component_mul(&scale);
@@ -173,6 +174,8 @@ impl PlanarElement {
             let moved = size > NO_CHANGE;
             let factor = if moved { defect / size } else { 0.0 };
             s.scatter(&(slope + scaled * factor), force);
+            let Some(tangent) = tangent.as_deref_mut() else { continue };
+            let curvature = self.curvature(s.thickness, &middle);
             let mut matrix = curvature * 0.5;
             if moved {
                 for k in 0..QUANTITIES {
@@ -358,7 +361,8 @@ mod tests {
             let part = |k: usize| 0.2 * (f64::from(state) * 1.7 + k as f64).sin();
             let v = Quantities::from([1.1 + part(0), part(1), part(2), 0.9 + part(3), part(4), part(5)]);
             for thickness in [false, true] {
-                let (slope, curvature) = element.curvature(thickness, &v);
+                let ((_, slope), curvature) =
+                    (element.slope(thickness, &v), element.curvature(thickness, &v));
                 for k in 0..QUANTITIES {
                     let h = 1e-5;
                     let at = |step: f64| {

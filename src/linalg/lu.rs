@@ -58,6 +58,7 @@ struct Pattern {
 #[derive(Default)]
 pub struct Solver {
     pattern: Option<Pattern>,
+    factor: Option<Lu<usize, f64>>,
     /// Patterns of places that were ordered.
     pub orderings: usize,
 }
@@ -76,6 +77,16 @@ impl Solver {
     /// # Errors
     /// A singular matrix or values that are not finite.
     pub fn solve(&mut self, n: usize, a: &Entries, b: &mut [f64]) -> Result<()> {
+        self.factorise(n, a)?;
+        self.solve_again(b)
+    }
+
+    /// Factorises a matrix of `n` unknowns for [`Self::solve_again`].
+    ///
+    /// # Errors
+    /// A matrix that can't be factorised.
+    pub fn factorise(&mut self, n: usize, a: &Entries) -> Result<()> {
+        self.factor = None;
         if n == 0 {
             return Ok(());
         }
@@ -91,8 +102,22 @@ impl Solver {
             .map_err(|e| failed(format!("sum of {} entries: {e:?}", a.values.len())))?;
         let lu = Lu::try_new_with_symbolic(pattern.lu.clone(), matrix.as_ref())
             .map_err(|e| failed(format!("factorisation of {n} unknowns: {e:?}")))?;
+        self.factor = Some(lu);
+        Ok(())
+    }
+
+    /// Solves `A x = b` in place with the matrix that was factorised last.
+    ///
+    /// # Errors
+    /// A singular matrix or values that are not finite.
+    pub fn solve_again(&self, b: &mut [f64]) -> Result<()> {
+        let n = b.len();
+        if n == 0 {
+            return Ok(());
+        }
+        let Some(factor) = &self.factor else { return Err(failed(format!("{n} unknowns: no matrix"))) };
         let mut x = Mat::from_fn(n, 1, |i, _| b[i]);
-        lu.solve_in_place(&mut x);
+        factor.solve_in_place(&mut x);
         if x.col(0).iter().any(|v| !v.is_finite()) {
             return Err(failed(format!("{n} unknowns: the matrix is singular")));
         }

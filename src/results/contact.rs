@@ -206,7 +206,10 @@ pub struct ContactSolver {
     pub searches: usize,
     /// Gaps measured.
     pub gaps: usize,
-    /// Entries of all systems of equations; of the elements and of contact.
+    /// Matrices that were factorised for them.
+    #[serde(skip)]
+    pub factorisations: usize,
+    /// Entries of these; of the elements and of contact.
     #[serde(skip)]
     pub entries: usize,
     /// Patterns of entries that had to be ordered; systems of the same pattern share one.

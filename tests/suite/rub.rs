@@ -325,11 +325,9 @@ fn the_newton_matrix_knows_the_ring() {
 /// A shaft that never comes near moves bit by bit as without the ring, and no gap is looked at.
 #[test]
 fn a_ring_that_is_never_near_costs_and_changes_nothing() {
-    for (integrator, frame) in [
-        ("esdirk", "rotating"),
-        ("generalized-alpha", "inertial"),
-        ("adams", "rotating"),
-    ] {
+    for (integrator, frame) in
+        [("esdirk", "rotating"), ("generalized-alpha", "inertial"), ("adams", "rotating")]
+    {
         let with_set = |mut set: Value| {
             set["spinup.integrator"] = json!(integrator);
             set["spinup.frame"] = json!(frame);
@@ -337,9 +335,7 @@ fn a_ring_that_is_never_near_costs_and_changes_nothing() {
             set["spinup.atol"] = json!(1e-8);
             set
         };
-        let far = bouncing(
-            with_set(json!({ "spinup.stators.0.clearance": 0.05 })),
-        );
+        let far = bouncing(with_set(json!({ "spinup.stators.0.clearance": 0.05 })));
         let finished = |case: &LoadedCase| {
             whole(case, Analysis::Spinup, false, &|_| (), &|_, _| true).unwrap_or_else(|e| panic!("{e}")).json
         };

@@ -5,7 +5,7 @@ use super::record::{Energies, Recorder, Touch};
 use crate::contact::bodies::Bodies;
 use crate::contact::boundary::Hit;
 use crate::contact::gap::Gap;
-use crate::contact::penalty::{self, Model, Spring, Stroke, Sums};
+use crate::contact::penalty::{self, GapGradient, Model, Spring, Stroke, Sums};
 use crate::contact::search::{Probe, Search};
 use crate::error::{Error, Result};
 use crate::linalg::factor::Ldlt;
@@ -20,6 +20,12 @@ use std::time::Instant;
 const ITERATIONS: usize = 25;
 /// Correction of a converged step, over the height.
 const CONVERGED: f64 = 1e-11;
+/// What is left of a correction from one iteration to the next, beyond which the matrix of an earlier state has served.
+const SERVES: f64 = 0.05;
+/// Springs that close or open in place of one, at most, for a matrix to serve on: one of so many.
+const SAME: usize = 16;
+/// Error over the height that converging corrections may leave.
+const LEFT: f64 = 1e-13;
 /// Times that a step is halved.
 const HALVINGS: usize = 10;
 /// Penetration in heights that a step may not reach.
@@ -68,7 +74,27 @@ pub struct Motion<'a> {
     springs: Sums,
     /// Number of that search.
     searched: usize,
+    /// What the matrix was factorised for; `None` where it has served.
+    factored: Option<Factored>,
     height: f64,
+}
+
+/// What the matrix of an energy-consistent step belongs to: it serves further iterations and steps as long as they converge.
+struct Factored {
+    /// Step, s.
+    dt: f64,
+    /// Probes whose springs are compressed at either end of the step, and whether they are at the second.
+    closed: Vec<(usize, bool)>,
+}
+
+impl Factored {
+    /// Whether it may serve a state: few of its springs are others.
+    fn serves(&self, here: &Self) -> bool {
+        let others =
+            |a: &Self, b: &Self| a.closed.iter().filter(|c| b.closed.binary_search(c).is_err()).count();
+        let fewer = self.closed.len().min(here.closed.len());
+        self.dt == here.dt && SAME * (others(self, here) + others(here, self)) <= fewer
+    }
 }
 
 /// Why a step of this size did not succeed; a smaller one may.
@@ -133,6 +159,7 @@ impl<'a> Motion<'a> {
             entries: Entries::default(),
             springs: Sums::default(),
             searched: 0,
+            factored: None,
             height: scene.bodies.iter().map(|b| b.height).fold(f64::INFINITY, f64::min),
         })
     }
@@ -263,6 +290,8 @@ impl<'a> Motion<'a> {
         let searched = self.search.counts.searches;
         if std::mem::replace(&mut self.searched, searched) != searched {
             self.springs = Sums::default();
+            // probes have other numbers now
+            self.factored = self.factored.take().filter(|factored| factored.closed.is_empty());
         }
         // the change of the state is what is solved for: velocities from differences of places would lose digits in small steps
         let mut moved: Vec<f64> = v0.iter().map(|v| dt * v).collect();
@@ -271,31 +300,51 @@ impl<'a> Motion<'a> {
         bodies.mass_times(&v0, &mut momentum);
         let mut delta = vec![0.0; bodies.free().len()];
         let mut last = f64::INFINITY;
+        let mut serves = true;
         for iteration in 1..=ITERATIONS {
             let q1: Vec<f64> = q0.iter().zip(&moved).map(|(q, d)| q + d).collect();
             let middle: Vec<f64> = q0.iter().zip(&q1).map(|(a, b)| (a + b) / 2.0).collect();
-            self.entries.clear();
-            let start = Instant::now();
-            bodies.average_force(&q0, &q1, &mut force, &mut self.entries);
-            bodies.loads(&middle, self.t + dt / 2.0, 1.0, &mut load, Some((&mut self.entries, 0.5)));
-            self.cost.elements_s += start.elapsed().as_secs_f64();
             let start = Instant::now();
             let strokes = self.strokes(before, &q1, &middle);
+            self.cost.gaps_s += start.elapsed().as_secs_f64();
+            let here = Factored { dt, closed: strokes.iter().map(|s| (s.probe, s.after < 0.0)).collect() };
+            let fresh = !serves || !self.factored.as_ref().is_some_and(|factored| factored.serves(&here));
+            self.entries.clear();
+            let start = Instant::now();
+            bodies.average_force(&q0, &q1, &mut force, fresh.then_some(&mut self.entries));
+            let entries = fresh.then_some((&mut self.entries, 0.5));
+            bodies.loads(&middle, self.t + dt / 2.0, 1.0, &mut load, entries);
+            self.cost.elements_s += start.elapsed().as_secs_f64();
+            let start = Instant::now();
             let states = [&q0[..], &q1, &middle];
             self.springs.clear();
-            penalty::add_average(&strokes, states, bodies.components(), &mut force, &mut self.springs);
-            self.springs.add_to(unknown, &mut self.entries);
+            let search = &self.search;
+            let gradient_after = |stroke: &Stroke| {
+                let spring = |hit: Hit| search.spring(&search.probes[stroke.probe], &hit);
+                stroke.hit_after.map_or(Vec::new(), |hit| spring(hit).gap.gradient(bodies.components()))
+            };
+            let tangent = fresh.then_some((&mut self.springs, &gradient_after as GapGradient<'_>));
+            penalty::add_average(&strokes, states, bodies.components(), &mut force, tangent);
             self.cost.gaps_s += start.elapsed().as_secs_f64();
-            bodies.add_mass(2.0 / (dt * dt), &mut self.entries);
             bodies.mass_times(&moved, &mut inertia);
             for (d, &k) in delta.iter_mut().zip(bodies.free()) {
                 *d = load[k] - force[k] - (2.0 * inertia[k] / dt - 2.0 * momentum[k]) / dt;
             }
             let start = Instant::now();
-            let solved = self.solver.solve(delta.len(), &self.entries, &mut delta);
-            self.stats.entries += self.entries.len();
-            self.stats.orderings = self.solver.orderings;
+            let mut solved = Ok(());
+            if fresh {
+                self.springs.add_to(unknown, &mut self.entries);
+                bodies.add_mass(2.0 / (dt * dt), &mut self.entries);
+                self.stats.factorisations += 1;
+                self.stats.entries += self.entries.len();
+                solved = self.solver.factorise(delta.len(), &self.entries);
+                self.stats.orderings = self.solver.orderings;
+            }
+            let solved = solved.and_then(|()| self.solver.solve_again(&mut delta));
             self.cost.solve_s += start.elapsed().as_secs_f64();
+            if fresh || solved.is_err() {
+                self.factored = solved.is_ok().then_some(here);
+            }
             solved.map_err(|e| Failure::Smaller(e.to_string(), STIFF))?;
             let size = delta.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
             for (d, &k) in delta.iter().zip(bodies.free()) {
@@ -306,14 +355,17 @@ impl<'a> Motion<'a> {
             if !(size < 1e3 * self.height.max(dt)) || (iteration > 8 && size > 2.0 * last) {
                 break;
             }
+            let rate = size / last;
+            let converged = fresh && size <= CONVERGED * self.height
+                || last.is_finite() && rate <= SERVES && size * rate <= LEFT * self.height;
             // a correction that stays at the rounding error of the system is the end as well
-            if size <= CONVERGED * self.height
-                || (iteration > 6 && size < 1e-9 * self.height && size >= last / 2.0)
-            {
+            if converged || (iteration > 6 && size < 1e-9 * self.height && rate >= 0.5) {
                 return self.finish(dt, &q0, &moved, &v0, before);
             }
+            serves &= fresh || !last.is_finite() || rate <= SERVES;
             last = size;
         }
+        self.factored = None;
         Err(Failure::Smaller(
             match last.is_finite() {
                 true => format!("Newton's method did not converge (last correction {last:.1e} m)"),
@@ -394,7 +446,7 @@ impl<'a> Motion<'a> {
         }
         let search = &self.search;
         let mut list = Vec::new();
-        for (probe, first) in search.probes.iter().zip(before) {
+        for (index, (probe, first)) in search.probes.iter().zip(before).enumerate() {
             let after = search.gap(self.bodies, probe, q1);
             let closed = |hit: &Option<Hit>| hit.is_some_and(|h| h.gap < 0.0 && !h.at_corner);
             if !closed(first) && !closed(&after) {
@@ -406,11 +458,11 @@ impl<'a> Motion<'a> {
             let value =
                 |hit: &Option<Hit>| hit.map_or(0.0, |h| if h.at_corner { h.gap.max(0.0) } else { h.gap });
             list.push(Stroke {
+                probe: index,
                 middle: search.spring(probe, &hit),
                 before: value(first),
                 after: value(&after),
-                gradient: after
-                    .map_or(Vec::new(), |h| search.spring(probe, &h).gap.gradient(self.bodies.components())),
+                hit_after: after,
             });
         }
         list
