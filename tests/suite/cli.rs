@@ -338,6 +338,7 @@ fn an_interrupted_run_up_reports_what_is_done() {
 
 /// Every `rotor ...` line of the README's console blocks works.
 #[test]
+#[ignore = "long"]
 fn commands_of_the_readme_run() {
     let folder = workplace();
     let study = Path::new("studies/tradeoff");

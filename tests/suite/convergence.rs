@@ -41,6 +41,7 @@ fn row(name: &str, list: &[f64], last: String) -> String {
 }
 
 #[test]
+#[ignore = "long"]
 fn members_lock_where_the_document_says_and_converge_elsewhere() {
     let mut text = "# Convergence and locking\n
 Made by `ROTOR_WRITE_DOCS=1 cargo test --release --test suite convergence::`, compared with a fresh one by every test run.\n

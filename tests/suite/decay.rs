@@ -124,6 +124,7 @@ fn a_real_root_that_grows_is_an_instability() {
 /// A disk of 10 kg on a shaft of (nearly) no mass, viscous material, external damper at the disk: unstable beyond
 /// `w (1 + c_ext/c_int)` (closed form), whatever the shaft weighs.
 #[test]
+#[ignore = "long"]
 fn thresholds_of_rotating_damping() {
     let (r, l, beta) = (0.01f64, 1.0, 1e-5);
     let stiffness = 48.0 * 2.1e11 * PI * r.powi(4) / 4.0 / (l * l * l);

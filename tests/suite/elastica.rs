@@ -57,6 +57,7 @@ fn bend(member: &str, load: f64, elements: usize, radius: f64) -> (f64, f64, boo
 /// From 2 to 40 elements, slenderness L/r 40 and 200: where the error passes 2 % the analysis says so, where it is below .4 % it
 /// doesn't, and what it says is within a factor of 2.3 of the error.
 #[test]
+#[ignore = "long"]
 fn elements_that_turn_too_far_say_so() {
     let mut warned = 0;
     for (member, radius, load, meshes) in [

@@ -55,6 +55,7 @@ fn report(case: &LoadedCase, analysis: Analysis) -> Value {
 
 /// Labels, names, counts, senses, kinds, codes: the same for every case when its inputs move by a few units in the last place.
 #[test]
+#[ignore = "long"]
 fn words_survive_rounding_of_the_inputs() {
     for (k, path) in case_files().into_iter().enumerate() {
         let loaded = Case::load(&path, &[]).expect("case");
@@ -78,6 +79,7 @@ fn words_survive_rounding_of_the_inputs() {
 
 /// The same of steady states, short run-ups and equilibria of scenes.
 #[test]
+#[ignore = "long"]
 fn words_of_nonlinear_analyses_survive_rounding_of_the_inputs() {
     for (k, path) in case_files().into_iter().enumerate() {
         let loaded = Case::load(&path, &[]).expect("case");
@@ -117,6 +119,7 @@ fn run_up(case: &LoadedCase, instructions: Instructions) -> Spinup {
 
 /// Run-ups, steady states and energies with every set of vector instructions that the processor has.
 #[test]
+#[ignore = "long"]
 fn every_vector_width_tells_the_same() {
     let sets: Vec<Instructions> = Instructions::NAMED.into_iter().filter(|s| s.are_available()).collect();
     assert!(sets.len() >= 2);

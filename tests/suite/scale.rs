@@ -99,6 +99,7 @@ fn assert_same(name: &str, large: &[f64], small: &[f64]) {
 }
 
 #[test]
+#[ignore = "long"]
 fn natural_frequencies_of_every_case() {
     for path in case_files() {
         let large = Case::load(&path, &[]).expect("case");
@@ -107,6 +108,7 @@ fn natural_frequencies_of_every_case() {
 }
 
 #[test]
+#[ignore = "long"]
 fn campbell_diagrams_and_critical_speeds_of_every_case() {
     for path in case_files() {
         let large = Case::load(&path, &[]).expect("case");
@@ -141,6 +143,7 @@ fn damped_and_hollow_members_of_all_orders() {
 
 /// Displacements of all probes over the reference, for equilibria under loads and at speed.
 #[test]
+#[ignore = "long"]
 fn equilibria_of_every_case() {
     let mut compared = 0;
     for path in case_files() {

@@ -110,7 +110,7 @@ fn integrators_converge_with_their_order() {
 fn an_unbalanced_rotor_on_bearings_whirls_as_jeffcott_says() {
     let (k, c, mass, e, speed) = (2e5, 1600.0, 40.0, 1e-4, 120.0);
     let law = |v: f64| json!([[v / 2.0, 0.0], [0.0, v / 2.0]]);
-    for frame in ["rotating", "inertial"] {
+    for (frame, rtol) in [("rotating", 1e-5), ("inertial", 1e-4)] {
         let case = shaft(
             json!({ "shape": "circle", "radius": 0.05 }),
             0.4,
@@ -124,7 +124,7 @@ fn an_unbalanced_rotor_on_bearings_whirls_as_jeffcott_says() {
                     { "at": 0.2, "fix": ["r.x", "y.z"] }
                 ],
                 "spinup": { "drive": [{ "until": 0.2, "speed": speed }], "until": 0.7, "output": 71, "frame": frame,
-                            "rtol": 1e-5, "atol": 1e-8 }
+                            "rtol": rtol, "atol": 1e-3 * rtol }
             }),
         );
         let outcome = run(&case);

@@ -538,6 +538,7 @@ fn a_misspelt_path_writes_nothing() {
 /// Broken off half way, by an interrupt or the hard way: what was finished is kept and used.
 #[cfg(unix)]
 #[test]
+#[ignore = "long"]
 fn a_study_that_was_broken_off_goes_on() {
     for signal in ["-INT", "-KILL"] {
         let folder = workplace(|case| {

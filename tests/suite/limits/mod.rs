@@ -58,6 +58,7 @@ fn row(c: &Cell) -> String {
 }
 
 #[test]
+#[ignore = "long"]
 fn every_cell_is_within_its_bound_or_says_so() {
     let mut list = linear::slenderness();
     list.extend(linear::walls());
