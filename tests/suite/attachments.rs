@@ -359,6 +359,7 @@ fn a_disk_on_a_boundary_moves_with_its_mean() {
 
 /// On a body that hardly deforms every hub is the same, and gyroscopic and centrifugal terms fit each other.
 #[test]
+#[ignore = "long"]
 fn hubs_agree_on_a_stiff_body_and_in_both_frames() {
     let case = |hub: &str, modulus: f64| {
         let mut disks = disk(hub);

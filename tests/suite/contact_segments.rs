@@ -28,6 +28,7 @@ fn met(element: &str, segments: usize) -> [f64; 2] {
 /// The source's claim: 34X3 reaches a given error of the penetration with fewer segments. So it does down to what the largest of
 /// some places of Gauss points can tell, a third of a percent.
 #[test]
+#[ignore = "long"]
 fn a_line_needs_fewer_segments_of_34x3() {
     let (mut depths, mut forces) = (Vec::new(), Vec::new());
     let mut needed = Vec::new();

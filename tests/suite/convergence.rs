@@ -44,7 +44,7 @@ fn row(name: &str, list: &[f64], last: String) -> String {
 #[ignore = "long"]
 fn members_lock_where_the_document_says_and_converge_elsewhere() {
     let mut text = "# Convergence and locking\n
-Made by `ROTOR_WRITE_DOCS=1 cargo test --release --test suite convergence::`, compared with a fresh one by every test run.\n
+Made by `ROTOR_WRITE_DOCS=1 cargo test --release --test suite convergence:: -- --include-ignored`, compared with a fresh one by the long tests.\n
 **What locks.** 34X1 locks in bending wherever Poisson's ratio is not 0, on every mesh, as its section can't contract; it does not in torsion. No other
 member locks in bending of solids. Polynomials on thin walls: ovalling stays too high at every thinness for every order (no mesh helps);
 rings with degree 1 are 10 % too high, with degree 2 or more they do not lock. `check` warns of each.\n

@@ -50,6 +50,7 @@ fn pairs(modes: &[Mode], kind: ModeKind, waves: usize) -> Vec<f64> {
 
 /// Independent numpy model, 8 elements: bending 1, 2, 3 and the first ovalling pairs.
 #[test]
+#[ignore = "long"]
 fn frequencies_of_free_tubes_are_those_of_the_independent_model() {
     type Row = (&'static str, [f64; 3], [&'static [f64]; 3]);
     let rows: [Row; 4] = [
@@ -584,6 +585,7 @@ fn tension_passes_joints_of_members_exactly() {
 
 /// A shaft half solid, half hollow: the joint converges to polynomials of high order, which need none.
 #[test]
+#[ignore = "long"]
 fn a_joint_converges_with_mesh_and_basis() {
     let circle = json!({ "shape": "circle", "radius": 0.2 });
     let more = json!({ "modes": { "count": 16 } });

@@ -222,6 +222,7 @@ fn bouncing(more: Value) -> LoadedCase {
 }
 
 #[test]
+#[ignore = "long"]
 fn frames_and_integrators_tell_the_same_rub() {
     let reference = run(&bouncing(json!({ "spinup.rtol": 1e-8, "spinup.atol": 1e-11 })));
     let history = reference.results.history.as_ref().expect("history");

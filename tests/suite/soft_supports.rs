@@ -31,6 +31,7 @@ fn failed(case: &rotor::case::LoadedCase) -> (Campbell, Vec<String>) {
 /// From 1 mN/m to 10 kN/m there are exactly four critical speeds below 6000 rpm, those of the rigid rotor (below 10 N/m the
 /// shaft's own give, k L^3/(E I), is below the digits asked for), in both forms.
 #[test]
+#[ignore = "long"]
 fn springs_of_any_softness_have_the_criticals_of_the_rigid_rotor() {
     let case = fieldtest("soft_springs_1");
     for form in ["classical", "consistent"] {

@@ -33,6 +33,7 @@ fn bending_of_a_solid_shaft() {
 }
 
 #[test]
+#[ignore = "long"]
 fn bending_torsion_and_ovalling_of_a_tube() {
     let more = json!({ "campbell": { "speeds": { "from": 0, "to": 2500, "count": 2 }, "modes": 10 } });
     let tube = json!({ "shape": "tube", "outer_radius": 0.2, "inner_radius": 0.15 });

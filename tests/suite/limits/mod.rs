@@ -15,7 +15,7 @@ const STEPS: usize = 200_000;
 
 const HEAD: &str = "# Limits
 
-Made by `ROTOR_WRITE_DOCS=1 cargo test --release --test suite limits::`, compared with a fresh one by every test run (words exactly, numbers
+Made by `ROTOR_WRITE_DOCS=1 cargo test --release --test suite limits:: -- --ignored`, compared with a fresh one by the long tests (words exactly, numbers
 within one and a half decades). Error: relative, against the quantity named. Rounding: relative change when all lengths are scaled by 1.7 and
 every quantity moves by at most four units in the last place, which changes nothing but rounding; digits: the decimal digits it took of sixteen. Verdict: **within** its bound;
 **warned**: beyond it, or rounding is more than a tenth of it, and `check` or the run says why; **refused**: exit code and reason. A cell that is none of these fails the test, as does
