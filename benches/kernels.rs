@@ -2,13 +2,13 @@
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use rotor::element::lanes::Scratch;
-use rotor::element::nonlinear::NonlinearElement;
-use rotor::element::ring_forces::RingElement;
+use rotor::element::kernel::simd::Scratch;
+use rotor::element::polynomial::NonlinearElement;
+use rotor::element::ring::forces::RingElement;
 use rotor::instructions::Instructions;
 use rotor::model::{ElementKind, Law, Material, Quadrature};
 use rotor::section::Section;
-use rotor::vectors::SectionBasis;
+use rotor::section::basis::SectionBasis;
 
 fn main() {
     divan::main();

@@ -2,14 +2,14 @@
 
 use divan::{Bencher, black_box};
 use rotor::analysis::campbell::campbell;
-use rotor::analysis::operators::Operators;
-use rotor::analysis::reduced::Reduced;
-use rotor::analysis::spectrum::Spectrum;
-use rotor::assembly::Assembly;
+use rotor::analysis::campbell::operators::Operators;
+use rotor::analysis::campbell::reduced_basis::Reduced;
 use rotor::case::{Case, LoadedCase};
 use rotor::element::ElementMatrices;
 use rotor::model::{ElementKind, Gyroscopic, Law, Model, WhirlFrame};
-use rotor::vectors::SectionBasis;
+use rotor::section::basis::SectionBasis;
+use rotor::shaft::assembly::Assembly;
+use rotor::shaft::spectrum::Spectrum;
 use serde_json::{Map, json};
 use std::path::Path;
 

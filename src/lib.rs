@@ -1,8 +1,23 @@
 //! Rotordynamics on the higher-order ANCF beam element 34X3.
 //!
-//! Data flows one way; each module uses only what stands before it:
-//! `units, error, json, vectors, instructions -> case -> model -> element -> assembly, forces, rub, acting, dynamics, contact -> integrate ->
-//! analysis -> results -> plot, report -> study -> cli`.
+//! Data flows one way; each module uses only what stands before it (a test reads the `use` lines):
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`error`], [`units`], [`instructions`] | errors with place and remedy, units, vector instructions |
+//! | [`section`] | shapes of sections and the functions on them |
+//! | [`results`] | what analyses return: plain data |
+//! | [`case`] | the case file as written |
+//! | [`linalg`] | sparse and dense solvers |
+//! | [`model`] | the checked model |
+//! | [`element`] | forces, tangents and mass of the elements |
+//! | [`shaft`] | a shaft with what is attached to it, its loads, drive and equations of motion |
+//! | [`integrate`] | integration in time |
+//! | [`scene`] | bodies in contact |
+//! | [`accuracy`] | what members lock or miss, and what rounding takes |
+//! | [`analysis`] | the analyses |
+//! | [`plot`], [`report`] | figures, tables and files |
+//! | [`run`], [`validate`], [`study`], [`cli`] | a whole run, expected values, trade-off studies, the command line |
 //!
 //! ```
 //! use rotor::{analysis::modes::modes, case::LoadedCase, model::Model};
@@ -19,31 +34,23 @@
 //! # Ok::<(), rotor::error::Error>(())
 //! ```
 
-pub mod acting;
+pub mod accuracy;
 pub mod analysis;
-pub mod assembly;
 pub mod case;
 pub mod cli;
-pub mod contact;
-pub mod drive;
-pub mod dynamics;
 pub mod element;
 pub mod error;
-pub mod forces;
 pub mod instructions;
 pub mod integrate;
-pub mod json;
 pub mod linalg;
-pub mod loads;
 pub mod model;
 pub mod plot;
 pub mod report;
 pub mod results;
-pub mod rub;
 pub mod run;
+pub mod scene;
 pub mod section;
+pub mod shaft;
 pub mod study;
-pub mod support;
 pub mod units;
 pub mod validate;
-pub mod vectors;

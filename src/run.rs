@@ -105,7 +105,7 @@ pub fn run(
         Analysis::Check | Analysis::Contact => {
             let mut outcome = analysis::check::check(&model)?;
             if let Some(block) = &loaded.case.tradeoff {
-                let points = analysis::tradeoff::count(&block.grid);
+                let points = block.grid.count();
                 let words = format!(
                     "the case has a study of {} over {points} settings: `rotor tradeoff`",
                     block.analysis.name()
@@ -124,7 +124,7 @@ pub fn run(
         Analysis::Campbell => {
             let settings = model.campbell.as_ref().ok_or_else(|| missing_block(loaded, "campbell"))?;
             // what the analysis refuses about the model is a fault of the case
-            if let Some(refused) = analysis::remarks::refusal(&model, settings) {
+            if let Some(refused) = analysis::campbell::remarks::refusal(&model, settings) {
                 return Err(loaded.fault(&refused.path, refused.reason, refused.remedy));
             }
             let outcome =
@@ -140,7 +140,7 @@ pub fn run(
         Analysis::Static => {
             let outcome = analysis::statics::statics(&model).map_err(|e| refused(loaded, e))?;
             let report = checked(loaded, &model, outcome);
-            let svg = if plots { plot::motion::statics(&report)? } else { Vec::new() };
+            let svg = if plots { plot::spinup::statics(&report)? } else { Vec::new() };
             finish(&report, svg, table::statics(&report.results))
         }
         Analysis::Spinup => {
@@ -151,7 +151,7 @@ pub fn run(
             let outcome =
                 analysis::spinup::spinup(&model, settings, watch).map_err(|e| refused(loaded, e))?;
             let report = checked(loaded, &model, outcome);
-            let svg = if plots { plot::motion::spinup(&report)? } else { Vec::new() };
+            let svg = if plots { plot::spinup::spinup(&report)? } else { Vec::new() };
             finish(&report, svg, table::spinup(&report.results))
         }
     }

@@ -4,14 +4,14 @@
 //! rotation about x (torsion) and the rest (section), orthogonal in the section's mass. Harmonics are
 //! the eigenspaces of `D_theta - J` (n = 0 axial and torsion, 1 bending, 2 ovalling, ..).
 
-use crate::assembly::Assembly;
 use crate::element::basis::{AxialProducts, SectionProducts, rotation_matrix};
 use crate::error::Result;
 use crate::linalg::dense::self_adjoint;
 use crate::model::Element;
 use crate::results::{EnergyShare, ModeKind};
 use crate::section::Section;
-use crate::vectors::SectionBasis;
+use crate::section::basis::SectionBasis;
+use crate::shaft::assembly::Assembly;
 use faer::{Mat, c64};
 
 /// Projections of one section's field.

@@ -1,13 +1,13 @@
 //! `rotor check`: what will be modelled, how big it is, and what it weighs.
 
-use super::estimates::slow_remark;
-use super::remarks::refusal;
-use super::{Outcome, ignored_input, model_remarks, summary};
-use crate::assembly::Assembly;
+use crate::accuracy::locking_and_rounding::slow_remark;
+use crate::analysis::campbell::remarks::refusal;
+use crate::analysis::{Outcome, ignored_input, model_remarks, summary};
 use crate::error::Result;
 use crate::model::memory::memory;
 use crate::model::{Form, Model};
 use crate::results::{Check, Diagnostic};
+use crate::shaft::assembly::Assembly;
 
 /// Time of modes, critical speeds and checks per unknown, s. This and the numbers below are measured on one server core over the
 /// cases with a sweep, in both forms, whose times they give within a factor of 1.5.

@@ -8,15 +8,15 @@
 //! shaft. Convergence is measured by energies, so it does not depend on units. Motions that nothing resists are pinned.
 //! Source: docs/theory.md sections 5, 6.
 
-use super::spectrum::Flexibility;
-use crate::acting::Acting;
-use crate::assembly::Assembly;
 use crate::error::Result;
-use crate::forces::{Forces, ScalarMass, Workspace};
 use crate::linalg::sparse::{Sparse, combine, multiply, symmetric_part};
-use crate::loads::{Loads, Turned, Which};
 use crate::model::{Bearing, Element};
-use crate::support::bearing_rows;
+use crate::shaft::acting::Acting;
+use crate::shaft::assembly::Assembly;
+use crate::shaft::attachments::bearing_rows;
+use crate::shaft::internal_forces::{Forces, ScalarMass, Workspace};
+use crate::shaft::loads::{Loads, Turned, Which};
+use crate::shaft::spectrum::Flexibility;
 use faer::{Mat, Scale};
 
 /// Smallest share of the load by which a step may advance.

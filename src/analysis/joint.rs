@@ -14,7 +14,7 @@
 //! than a tenth up to 0.8 of the radius, rings by the factor of `ring_factor`.
 
 use crate::section::Section;
-use crate::vectors::SectionBasis;
+use crate::section::basis::SectionBasis;
 
 /// What a joint carries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! `rotor matrices`: the unconstrained system matrices in physical units.
 
-use crate::assembly::Assembly;
 use crate::linalg::sparse::Sparse;
 use crate::model::{Gyroscopic, Model};
+use crate::shaft::assembly::Assembly;
 
 /// One row (and column) of the matrices: an unknown of the unconstrained shaft.
 #[derive(Debug, Clone, serde::Serialize)]

@@ -1,47 +1,27 @@
 //! The analyses: each takes a checked model and returns plain results with diagnostics.
 //! They know nothing of files, arguments or plots.
 
-mod branches;
 pub mod campbell;
 pub mod character;
 pub mod check;
 pub mod contact;
-pub mod critical;
-mod crossings;
 pub mod equilibrium;
-pub mod estimates;
-pub mod growth;
-mod instability;
 pub mod joint;
 pub mod matrices;
 pub mod modes;
-mod motions;
-pub mod operators;
-pub mod orbit;
 pub mod plausibility;
 mod points;
-pub mod pressure;
 pub mod probes;
-pub mod reduced;
-pub mod remarks;
-pub mod rotation;
-pub mod rub;
 mod section_forces;
-pub mod spectrum;
 pub mod spinup;
-pub mod state;
 pub mod statics;
 pub mod stations;
 pub mod steps;
-pub mod stiffening;
-pub mod tracking;
-pub mod tradeoff;
-pub mod wall;
 
-use crate::assembly::Assembly;
-use crate::element::structural::AXIAL_POINTS;
+use crate::element::structural_3333s::AXIAL_POINTS;
 use crate::model::{Hub, Law, Model, Quadrature};
 use crate::results::{Diagnostic, ModelSummary};
+use crate::shaft::assembly::Assembly;
 
 /// Results with what was modelled and the remarks of the run.
 #[derive(Debug, Clone)]
@@ -124,9 +104,9 @@ fn quadrature_name(model: &Model) -> String {
 fn model_remarks(model: &Model, assembly: &Assembly<'_>) -> Vec<Diagnostic> {
     let mut list: Vec<Diagnostic> =
         model.snapped.iter().map(|text| Diagnostic::info("snapped", text.clone())).collect();
-    wall::wall_remarks(model, &mut list);
-    estimates::bore_remarks(model, &mut list);
-    estimates::estimates(model, assembly, &mut list);
+    crate::accuracy::thin_wall::wall_remarks(model, &mut list);
+    crate::accuracy::locking_and_rounding::bore_remarks(model, &mut list);
+    crate::accuracy::locking_and_rounding::estimates(model, assembly, &mut list);
     points::point_remarks(model, &mut list);
     steps::step_remarks(assembly, &mut list);
     list

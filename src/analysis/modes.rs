@@ -1,15 +1,15 @@
 //! `rotor modes`: natural frequencies and shapes of the shaft at rest.
 
-use super::character::Character;
-use super::estimates::refuse_dependent;
-use super::spectrum::Spectrum;
-use super::{Outcome, ignored_input, model_remarks, summary};
-use crate::assembly::Assembly;
+use crate::accuracy::locking_and_rounding::refuse_dependent;
+use crate::analysis::character::Character;
+use crate::analysis::{Outcome, ignored_input, model_remarks, summary};
 use crate::element::basis::{evaluate, lagrange};
 use crate::error::Result;
 use crate::model::{Field, Model};
 use crate::results::{Diagnostic, EnergyShare, Mode, ModeKind, ModeShape, Modes};
-use crate::support::functions;
+use crate::shaft::assembly::Assembly;
+use crate::shaft::attachments::functions;
+use crate::shaft::spectrum::Spectrum;
 use faer::{Mat, c64};
 
 /// Residual up to which a mode counts as solved.
@@ -76,7 +76,7 @@ pub fn modes(model: &Model) -> Result<Outcome<Modes>> {
             format!("{} modes were asked for; the model has only {}", model.modes, list.len()),
         ));
     }
-    let mass = super::check::properties(model).mass();
+    let mass = crate::analysis::check::properties(model).mass();
     let mut model_summary = summary(model, assembly.size(), mass);
     model_summary.left_out.push("spin: modes of the shaft at rest (no gyroscopic matrix built)".to_owned());
     if assembly.has_material_damping()

@@ -1,6 +1,6 @@
 //! Values that no machine has, with the unit that was probably meant.
 
-use super::check::properties;
+use crate::analysis::check::properties;
 use crate::model::Model;
 use crate::results::Diagnostic;
 

@@ -1,14 +1,16 @@
 //! States at material points: displacement, strain and stress from the coordinates of a shaft.
 
-use super::stations::in_rigid_hub;
-use crate::assembly::Assembly;
 use crate::element::basis::{derivative, evaluate, lagrange};
-use crate::element::nonlinear::stress_at;
-use crate::model::{Element, Field, Model};
+use crate::element::polynomial::stress_at;
+use crate::model::{Element, Field, Hub, Model, SectionHold, SupportKind};
 use crate::results::{PointState, ProbeState, Profile, Stress};
 use crate::section::{Section, Shape};
-use crate::support::functions;
+use crate::shaft::assembly::Assembly;
+use crate::shaft::attachments::functions;
 use nalgebra::{Matrix3, RowVector3, Vector3};
+
+/// Distance from a rigid hub, over the radius, within which a section is held by it.
+const HELD: f64 = 0.5;
 
 /// Points of a profile.
 const PROFILE: usize = 17;
@@ -189,6 +191,22 @@ pub fn growth_in(
         };
         (place(1.0) - place(-1.0)).norm() / 2.0 - c
     })
+}
+
+/// True where a rigid hub or end keeps the section from deforming: stresses there are those of its constraint.
+pub fn in_rigid_hub(model: &Model, x: f64) -> bool {
+    let disks = model.disks.iter().filter(|d| d.hub == Hub::Rigid).map(|d| d.node);
+    let rigid = |kind: &SupportKind| {
+        matches!(
+            kind,
+            SupportKind::Clamped(SectionHold::Rigid)
+                | SupportKind::Revolute { hold: SectionHold::Rigid, .. }
+                | SupportKind::Cylindrical { hold: SectionHold::Rigid, .. }
+        )
+    };
+    let supports = model.supports.iter().filter(|s| rigid(&s.kind)).map(|s| s.node);
+    let radius = model.sections[element_at(model, x).section].outer_size();
+    disks.chain(supports).any(|node| (model.nodes[node].x - x).abs() <= HELD * radius)
 }
 
 /// Largest principal Green-Lagrange strain, by size, at three stations of every element, on its outline and axis.

@@ -11,13 +11,13 @@
 //! digits. Forces of supports carry what rounding makes of stresses: a section with supports at larger x alone takes the negative
 //! sum of what acts before it. Source: docs/theory.md section 7.
 
-use super::probes::element_at;
-use crate::acting::{Acting, Resultant};
-use crate::assembly::Assembly;
-use crate::loads::Spread;
+use crate::analysis::probes::element_at;
 use crate::model::{Element, Model, Probe, SupportKind};
 use crate::results::{SectionForces, SupportForces};
-use crate::support::{axis_rows, bearing_rows};
+use crate::shaft::acting::{Acting, Resultant};
+use crate::shaft::assembly::Assembly;
+use crate::shaft::attachments::{axis_rows, bearing_rows};
+use crate::shaft::loads::Spread;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 

@@ -1,19 +1,20 @@
 //! `rotor static`: equilibrium under loads and gravity, with finite displacements.
 
-use super::equilibrium::{Balance, Equilibrium, NewtonSettings, dot};
-use super::estimates::{refuse_dependent, refuse_tiny_bore};
-use super::pressure::pressure_remarks;
-use super::probes::{axis_displacement, largest_strain, probe_states, profile};
-use super::rotation::bending_remark;
-use super::section_forces::ForceReader;
-use super::stations::{headline, in_rigid_hub};
-use super::{Outcome, model_remarks, nonlinear_summary};
-use crate::assembly::Assembly;
+use crate::accuracy::coarse_bending::bending_remark;
+use crate::accuracy::locking_and_rounding::{refuse_dependent, refuse_tiny_bore};
+use crate::accuracy::pressure_stress::pressure_remarks;
+use crate::analysis::equilibrium::{Balance, Equilibrium, NewtonSettings, dot};
+use crate::analysis::probes::in_rigid_hub;
+use crate::analysis::probes::{axis_displacement, largest_strain, probe_states, profile};
+use crate::analysis::section_forces::ForceReader;
+use crate::analysis::stations::headline;
+use crate::analysis::{Outcome, model_remarks, nonlinear_summary};
 use crate::error::{Error, Result};
-use crate::forces::Workspace;
-use crate::loads::{Turned, Which};
 use crate::model::Model;
 use crate::results::{Diagnostic, NewtonSummary, Reaction, Static};
+use crate::shaft::assembly::Assembly;
+use crate::shaft::internal_forces::Workspace;
+use crate::shaft::loads::{Turned, Which};
 
 /// Strain beyond which St. Venant-Kirchhoff is no longer the engineer's linear elasticity.
 pub const LARGE_STRAIN: f64 = 0.05;

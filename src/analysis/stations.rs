@@ -5,16 +5,14 @@
 //! radii (axisymmetric end effects of a solid decay as `exp(-2.7 x / R)`). On elements longer than that the section
 //! functions can't follow so short a decay: they swing over an element or two instead.
 
-use super::probes::{element_at, growth_in};
-use crate::assembly::Assembly;
-use crate::model::{Element, Hub, Model, SectionHold, SupportKind};
+use crate::analysis::probes::{element_at, growth_in};
+use crate::model::{Element, Model, SupportKind};
 use crate::results::{GrowthAlong, SectionGrowth};
 use crate::section::Section;
+use crate::shaft::assembly::Assembly;
 
 /// Distance from a disturbance, over the radius and counted in elements, from which a section counts as clear of it.
 const CLEAR: f64 = 2.0;
-/// Distance from a rigid hub, over the radius, within which a section is held by it.
-const HELD: f64 = 0.5;
 /// Stations of the growth along an element, its right end left out.
 const STATIONS: usize = 4;
 /// Share of the shaft's length within which two places are one.
@@ -85,22 +83,6 @@ fn disturbances(model: &Model) -> Vec<f64> {
     places
 }
 
-/// True where a rigid hub or end keeps the section from deforming: stresses there are those of its constraint.
-pub fn in_rigid_hub(model: &Model, x: f64) -> bool {
-    let disks = model.disks.iter().filter(|d| d.hub == Hub::Rigid).map(|d| d.node);
-    let rigid = |kind: &SupportKind| {
-        matches!(
-            kind,
-            SupportKind::Clamped(SectionHold::Rigid)
-                | SupportKind::Revolute { hold: SectionHold::Rigid, .. }
-                | SupportKind::Cylindrical { hold: SectionHold::Rigid, .. }
-        )
-    };
-    let supports = model.supports.iter().filter(|s| rigid(&s.kind)).map(|s| s.node);
-    let radius = model.sections[element_at(model, x).section].outer_size();
-    disks.chain(supports).any(|node| (model.nodes[node].x - x).abs() <= HELD * radius)
-}
-
 /// Growth of rim and bore of the section at x.
 pub fn section_growth(assembly: &Assembly<'_>, q: &[f64], x: f64) -> SectionGrowth {
     let e = element_at(assembly.model, x);
@@ -137,6 +119,7 @@ pub fn growth_along(assembly: &Assembly<'_>, q: &[f64]) -> GrowthAlong {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::probes::in_rigid_hub;
     use crate::case::LoadedCase;
     use serde_json::json;
 

@@ -1,17 +1,17 @@
 //! Abrupt steps of the section: how much too stiff a model with them is, by its modes at rest.
 //!
-//! The flexibility dc that a joint misses (see [`super::joint`]) takes `dc Q^2` of the energy of a motion with the
+//! The flexibility dc that a joint misses (see [`crate::analysis::joint`]) takes `dc Q^2` of the energy of a motion with the
 //! resultant Q (moment, torque or axial force) at the joint: with `x^T M x = 1` the flexibility 1/w^2 of a natural motion
 //! grows by `sum dc Q^2 / w^4`, so that its frequency is `sqrt(1 + sum dc Q^2 / w^2) - 1` too high. Q comes from the
 //! forces `(K - w^2 M) q` at the end of the element beside the joint.
 
-use super::character::Character;
-use super::joint::{Pull, Side, missing_flexibility};
-use super::spectrum::Spectrum;
-use crate::assembly::Assembly;
+use crate::analysis::character::Character;
+use crate::analysis::joint::{Pull, Side, missing_flexibility};
 use crate::model::{Element, Hub, Model};
 use crate::results::{Diagnostic, ModeKind};
-use crate::vectors::SectionBasis;
+use crate::section::basis::SectionBasis;
+use crate::shaft::assembly::Assembly;
+use crate::shaft::spectrum::Spectrum;
 use faer::{Mat, c64};
 
 /// Relative error of a frequency from which a warning is due.

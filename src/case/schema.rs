@@ -3,7 +3,7 @@
 //! The schema refuses nothing that the program accepts. What it can't state are rules between distant values: names that are
 //! defined, places on the shaft, bores smaller than outlines, memory.
 
-use super::Case;
+use crate::case::Case;
 use serde_json::{Map, Value, json};
 
 /// Above zero, where given.

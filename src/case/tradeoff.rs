@@ -1,6 +1,6 @@
 //! The `tradeoff` block: which settings to vary, which number to read, and what it is compared with.
 
-use super::Filter;
+use crate::case::Filter;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -228,6 +228,14 @@ pub enum Grid {
 pub type Axes = Map<String, Value>;
 
 impl Grid {
+    /// Number of points, saturating, repeated ones included.
+    pub fn count(&self) -> usize {
+        let lengths = |axes: &Axes| {
+            axes.values().map(|v| v.as_array().map_or(0, Vec::len)).fold(1, usize::saturating_mul)
+        };
+        self.products().iter().map(lengths).fold(0, usize::saturating_add)
+    }
+
     /// The products.
     pub fn products(&self) -> &[Axes] {
         match self {

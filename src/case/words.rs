@@ -1,6 +1,6 @@
 //! What the readers of JSON and of cases say, in the words of a case file.
 
-use super::paths::{at, short, shown};
+use crate::case::paths::{at, short, shown};
 use crate::error::Error;
 use serde_json::Value;
 

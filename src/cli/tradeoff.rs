@@ -1,7 +1,7 @@
 //! `rotor tradeoff`: arguments, progress and files of a study of cost and error.
 
-use super::{conclude, cost, folder, respect, stop_on_interrupt};
 use crate::case::Case;
+use crate::cli::{conclude, cost, folder, respect, stop_on_interrupt};
 use crate::error::{Error, Result};
 use crate::report::{files, json};
 use crate::study::{self, Conditions, TARGETS, check_target};

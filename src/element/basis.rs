@@ -2,12 +2,12 @@
 //!
 //! Position field: `r(x,y,z) = sum_i L_i(xi) sum_(a+b<=n) eta^a zeta^b / (a! b!) q_i,(ab)` with
 //! `eta = y/R`, `zeta = z/R` and `q = R^(a+b) r_,(y^a z^b)`; xi in [-1, 1] along the element.
-//! Integrals of monomials are closed forms; functions of rings are in [`super::ring`]. Source: docs/theory.md sections 1 and 2.
+//! Integrals of monomials are closed forms; functions of rings are in [`crate::element::ring`]. Source: docs/theory.md sections 1 and 2.
 
-use super::ring;
+use crate::element::ring;
 use crate::section::Section;
-use crate::vectors::SectionBasis;
-pub use crate::vectors::{exponents, vector_name};
+use crate::section::basis::SectionBasis;
+pub use crate::section::basis::{exponents, vector_name};
 use faer::Mat;
 
 /// Monomial coefficients (ascending powers of xi) of the Lagrange polynomials of the given degree on

@@ -9,8 +9,8 @@
 //! where alpha = x derives the axial factor and y, z the section factor; `C_alpha_beta[a][b] =
 //! D[voigt(a,alpha)][voigt(b,beta)]`. Exact; source: docs/theory.md sections 2 and 4.
 
-use super::basis::{AxialProducts, SectionProducts};
-use super::inertia::add_kronecker;
+use crate::element::basis::{AxialProducts, SectionProducts};
+use crate::element::inertia::add_kronecker;
 use crate::model::Material;
 use crate::section::Section;
 use faer::Mat;

@@ -3,10 +3,10 @@
 //! Field of a node: `u(y, z) = sum_k f_k(y, z) q_k`, f_k the functions of [`SectionBasis`] in scaled coordinates.
 //! Source: docs/theory.md sections 1 and 10.
 
-use super::outline::LinePoint;
-use super::ring::{Ring, rule};
+use crate::element::boundary_curve::LinePoint;
+use crate::element::ring::{Ring, rule};
 use crate::section::Section;
-use crate::vectors::{RingFunction, SectionBasis, exponents, ring_functions};
+use crate::section::basis::{RingFunction, SectionBasis, exponents, ring_functions};
 use faer::Mat;
 use nalgebra::{DMatrix, DVector};
 

@@ -8,7 +8,7 @@
 //!
 //! Stationary frame, spin about +x; source: docs/theory.md section 2.
 
-use super::basis::{AxialProducts, SectionProducts};
+use crate::element::basis::{AxialProducts, SectionProducts};
 use faer::Mat;
 use nalgebra::Matrix3;
 

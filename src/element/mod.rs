@@ -6,19 +6,16 @@
 //! reference length of the shaft), so that every unknown is a length.
 
 pub mod basis;
+pub mod boundary_curve;
 pub mod continuum;
-pub mod expansion;
 pub mod fields;
 pub mod inertia;
-pub mod lanes;
-pub mod nonlinear;
-pub mod outline;
-pub mod planar;
+pub mod kernel;
+pub mod planar_2322s;
+pub mod polynomial;
 pub mod quadrature;
 pub mod ring;
-pub mod ring_forces;
-pub mod stations;
-pub mod structural;
+pub mod structural_3333s;
 
 use crate::model::{ElementKind, Law, Material};
 use crate::section::Section;
@@ -51,7 +48,7 @@ impl ElementMatrices {
         let stiffness = match kind.law {
             Law::Continuum => continuum::stiffness(&continuum::isotropic(material), &axial, &plane),
             Law::Split => continuum::split_stiffness(section, material, &axial, &plane),
-            Law::Structural => structural::stiffness(section, material, &axial, reference_length),
+            Law::Structural => structural_3333s::stiffness(section, material, &axial, reference_length),
         };
         Self {
             mass: inertia::mass(material.density, &axial, &plane),

@@ -114,7 +114,7 @@ mod tests {
         let uneven = Section { inner: [0.05, 0.12], ..Section::ellipse(0.15, 0.2) };
         for section in [Section::circle(0.7), Section::tube(1.0, 0.9), uneven, hollow] {
             let rule = section_rule(&section, 4);
-            for (a, b) in crate::vectors::exponents(7) {
+            for (a, b) in crate::section::basis::exponents(7) {
                 let sum: f64 = rule.iter().map(|(y, z, w)| w * y.powi(a as i32) * z.powi(b as i32)).sum();
                 let exact = section.moment(a, b);
                 assert!((sum - exact).abs() < 1e-14, "{section:?} {a} {b}: {sum} {exact}");

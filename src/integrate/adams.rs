@@ -10,9 +10,9 @@
 //! Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sections III.5 and III.7; the choice of
 //! order and step is that of Shampine and Gordon (Computer Solution of Ordinary Differential Equations, 1975).
 
-use super::{Course, Flows, Moment, OnStep, Progress, Settings, Step, failed};
-use crate::dynamics::Dynamics;
 use crate::error::Result;
+use crate::integrate::{Course, Flows, Moment, OnStep, Progress, Settings, Step, failed};
+use crate::shaft::motion::Dynamics;
 
 /// Highest order of the predictor; the corrector is one order higher.
 const HIGHEST: usize = 12;
@@ -42,7 +42,7 @@ const fn moulton() -> [f64; HIGHEST + 2] {
 /// Integrates from `start` to the last stop. The method starts anew at every stop and where a ring is touched.
 ///
 /// # Errors
-/// As [`super::integrate`].
+/// As [`crate::integrate::integrate`].
 pub fn integrate(
     dynamics: &mut Dynamics<'_>,
     start: Moment,

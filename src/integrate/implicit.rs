@@ -7,9 +7,9 @@
 //!
 //! Newton's method is modified: a factorised matrix serves until steps, speed or convergence ask for another.
 
-use super::{Course, Flows, Moment, OnStep, Progress, Settings, Step, failed};
-use crate::dynamics::{Dynamics, NewtonMatrix};
 use crate::error::Result;
+use crate::integrate::{Course, Flows, Moment, OnStep, Progress, Settings, Step, failed};
+use crate::shaft::motion::{Dynamics, NewtonMatrix};
 use nalgebra::{DMatrix, DVector};
 
 const GAMMA: f64 = 0.25;
@@ -80,7 +80,7 @@ pub enum Scheme {
 /// Integrates from `start` to the last stop.
 ///
 /// # Errors
-/// As [`super::integrate`].
+/// As [`crate::integrate::integrate`].
 pub fn integrate(
     dynamics: &mut Dynamics<'_>,
     start: Moment,

@@ -3,10 +3,10 @@
 pub mod adams;
 pub mod implicit;
 
-use crate::drive::quintic;
-use crate::dynamics::{Dynamics, Powers};
 use crate::error::{Error, Result};
 use crate::model::Frame;
+use crate::shaft::drive::quintic;
+use crate::shaft::motion::{Dynamics, Powers};
 use std::ops::ControlFlow;
 
 /// Share of the tolerance below which it does not fall.

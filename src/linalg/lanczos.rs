@@ -4,8 +4,8 @@
 //! may be indefinite: the largest positive `theta = 1/lambda` are wanted. Blocks find copies of multiple
 //! eigenvalues; the caller proves completeness by a Sturm count and may ask for more.
 
-use super::dense::{graded_eigenvectors, self_adjoint};
 use crate::error::{Error, Result};
+use crate::linalg::dense::{graded_eigenvectors, self_adjoint};
 use faer::{Mat, MatRef};
 
 /// Vectors a block.

@@ -1,7 +1,7 @@
 //! Sparse systems without symmetry: matrices summed from entries, and their LU factorisation.
 
-use super::sparse::Sparse;
 use crate::error::{Error, Result};
+use crate::linalg::sparse::Sparse;
 use faer::Mat;
 use faer::prelude::Solve;
 use faer::sparse::linalg::solvers::{Lu, SymbolicLu};

@@ -5,9 +5,9 @@
 //! of the complex Hermitian problem `i A`. Source: Ward, Gray, Eigensystem computation for skew-symmetric matrices,
 //! ACM Trans. Math. Softw. 4 (1978).
 
-use super::dense::{no_convergence, unit_scale};
 use crate::error::Result;
 use crate::instructions::Instructions;
+use crate::linalg::dense::{no_convergence, unit_scale};
 use faer::{Mat, MatRef, c64};
 use pulp::NullaryFnOnce;
 use std::f64::consts::FRAC_1_SQRT_2;

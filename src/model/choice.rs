@@ -4,8 +4,8 @@
 //! higher one, walls take rings. The estimates are fitted to errors of section and shaft that are measured elsewhere;
 //! a mesh that is too coarse adds its own. Source: docs/theory.md section 10.
 
+use crate::section::basis::SectionBasis;
 use crate::section::{Section, Shape};
-use crate::vectors::SectionBasis;
 
 /// Relative error that an automatic choice aims at.
 const AIM: f64 = 1e-3;

@@ -3,7 +3,7 @@
 //! Fitted to the peak memory of runs: matrices to 16 to 512 elements 34X3, the sweep to bases of 20 to 240 vectors, numbers of
 //! reports to histories of 1e3 to 1e5 outputs and lines of 10 to 10000 points.
 
-use super::Model;
+use crate::model::Model;
 
 /// Vectors of a basis where the case names none, and those kept beyond the branches asked for.
 const BASIS: (usize, usize) = (60, 8);

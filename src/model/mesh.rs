@@ -1,6 +1,6 @@
 //! Elements and nodes along the shaft: segments laid end to end, cut where something stands.
 
-use super::{Element, ElementKind, Field, Node};
+use crate::model::{Element, ElementKind, Field, Node};
 use crate::section::Section;
 
 /// Share of the shaft's length within which two positions are one: a place so near to the end of a segment or to another
@@ -137,7 +137,7 @@ fn share(pieces: &[(f64, f64)], elements: u64) -> Vec<u64> {
 mod tests {
     use super::*;
     use crate::model::Law;
-    use crate::vectors::SectionBasis;
+    use crate::section::basis::SectionBasis;
 
     fn plan(length: f64, elements: u64, order: usize) -> SegmentPlan {
         let kind =

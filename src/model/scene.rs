@@ -1,6 +1,6 @@
 //! A checked contact scene: beams, what holds and loads them, and how contact is enforced.
 
-use super::Model;
+use crate::model::Model;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
 

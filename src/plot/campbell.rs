@@ -6,8 +6,8 @@ use std::f64::consts::TAU;
 
 use plotters::style::text_anchor::HPos;
 
-use super::style::{self, Canvas, Font, Marker, Point, Rect, Sample, Scale, Side, Stroke};
 use crate::error::Result;
+use crate::plot::style::{self, Canvas, Font, Marker, Point, Rect, Sample, Scale, Side, Stroke};
 use crate::results::{Branch, Campbell, CriticalSpeed, ModeKind, Report, Whirl};
 
 const WIDTH: f64 = 1120.0;

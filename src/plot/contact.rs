@@ -1,8 +1,8 @@
 //! Plots of `rotor contact`: the scene, gaps and forces, the energy balance, and where the time went.
 
-use super::panels::{self, Curve, Panel, STROKES, Surroundings, figure};
-use super::style::{self, Line, Point, Stroke};
 use crate::error::Result;
+use crate::plot::panels::{self, Curve, Panel, STROKES, Surroundings, figure};
+use crate::plot::style::{self, Line, Point, Stroke};
 use crate::results::{Contact, ContactEnergy, ContactHistory, Report, Snapshot};
 
 const TIME: (&str, &str) = ("Time", "s");

@@ -1,8 +1,8 @@
 //! forces.svg: what passes through a shaft in one state, or what its supports, bearings and rings do over time.
 
-use super::panels::{Curve, Panel, STROKES, Surroundings, figure};
-use super::style::{Stroke, significant};
 use crate::error::Result;
+use crate::plot::panels::{Curve, Panel, STROKES, Surroundings, figure};
+use crate::plot::style::{Stroke, significant};
 use crate::results::{History, Report, SectionForces, Spinup, SupportForces};
 use std::collections::BTreeMap;
 

@@ -5,7 +5,7 @@ pub mod campbell;
 pub mod contact;
 mod forces;
 pub mod modes;
-pub mod motion;
 pub mod panels;
+pub mod spinup;
 pub mod style;
 pub mod tradeoff;

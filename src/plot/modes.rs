@@ -3,8 +3,8 @@
 
 use plotters::style::text_anchor::HPos;
 
-use super::style::{self, Canvas, Font, Line, Marker, Point, Rect, Sample, Scale, Stroke};
 use crate::error::Result;
+use crate::plot::style::{self, Canvas, Font, Line, Marker, Point, Rect, Sample, Scale, Stroke};
 use crate::results::{Mode, ModeKind, ModeShape, Modes, Report};
 
 const WIDTH: f64 = 1120.0;

@@ -1,9 +1,9 @@
 //! Figures of several small plots of curves: each panel has its axes, a frame, a grid and a legend above it.
 
-use super::style::{
+use crate::error::Result;
+use crate::plot::style::{
     self, Canvas, Color, Font, FooterWords, Line, Marker, Point, Rect, Sample, Scale, Stroke,
 };
-use crate::error::Result;
 use crate::results::{CaseInfo, Diagnostic, ModelSummary, Report};
 use plotters::style::text_anchor::HPos;
 

@@ -1,10 +1,10 @@
 //! Error over wall time of a study, both logarithmic: the front as a stepped line with named points, the others as light
 //! marks, shapes by element. Nothing lies below and to the left of a point of the front, so its name stands there.
 
-use super::style::{
+use crate::error::Result;
+use crate::plot::style::{
     self, Canvas, Color, Font, FooterWords, Line, Marker, Point, Rect, Sample, Scale, Stroke,
 };
-use crate::error::Result;
 use crate::results::{Report, Tradeoff, TradeoffPoint, Trust};
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::HPos;

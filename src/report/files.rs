@@ -102,7 +102,7 @@ pub fn write_set(folder: &Path, set: Set<'_>) -> Result<Vec<PathBuf>> {
         .map(|name| folder.join(name))
         .collect();
     let mut files = set.files;
-    files.push((format!("{}{COST}", set.analysis), super::json::text(&cost)));
+    files.push((format!("{}{COST}", set.analysis), crate::report::json::text(&cost)));
     let paths = write_all(folder, &files)?;
     for path in outdated.iter().filter(|path| path.exists()) {
         fs::remove_file(path).map_err(|e| Error::io(path, "remove the plot of an earlier run", &e))?;

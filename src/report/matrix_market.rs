@@ -8,7 +8,13 @@ use std::fmt::Write;
 pub fn text(matrix: &PhysicalMatrix, title: &str) -> String {
     let mut out = String::from("%%MatrixMarket matrix coordinate real general\n");
     // writing to a string can't fail
-    let _ = writeln!(out, "% {}: {}\n% {}", matrix.name, matrix.description, super::printable::line(title));
+    let _ = writeln!(
+        out,
+        "% {}: {}\n% {}",
+        matrix.name,
+        matrix.description,
+        crate::report::printable::line(title)
+    );
     let _ = writeln!(out, "{0} {0} {1}", matrix.size, matrix.entries.len());
     for (i, j, value) in &matrix.entries {
         let _ = writeln!(out, "{} {} {value:e}", i + 1, j + 1);

@@ -1,9 +1,9 @@
 //! One point of a study: the program itself, run on the point's case in a folder of its own.
 
-use super::store::{PointOutcome, words};
-use crate::analysis::tradeoff::{Measurement, is_of_accuracy};
 use crate::case::Quantity;
 use crate::error::{Error, Result};
+use crate::study::design::{Measurement, is_of_accuracy};
+use crate::study::store::{PointOutcome, words};
 use crate::validate::lookup;
 use serde_json::Value;
 use std::fs::{self, File};

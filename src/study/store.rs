@@ -1,9 +1,9 @@
 //! Finished points of a study, one file each, under a digest of everything that their numbers depend on.
 
-use crate::analysis::tradeoff::{Measurement, Settings};
 use crate::case::Tradeoff;
 use crate::error::{Error, Result};
 use crate::report::{files, json};
+use crate::study::design::{Measurement, Settings};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};

@@ -3,14 +3,14 @@
 use crate::common::{frequencies, model, shaft, with};
 use faer::Mat;
 use nalgebra::Vector3;
-use rotor::assembly::Assembly;
 use rotor::case::LoadedCase;
-use rotor::forces::{Forces, ScalarMass};
-use rotor::loads::{Loads, Turned, Which};
 use rotor::model::{ActsOn, Model};
 use rotor::results::{ModeKind, Static};
 use rotor::section::Section;
-use rotor::support::{displacement_weights, functions_at};
+use rotor::shaft::assembly::Assembly;
+use rotor::shaft::attachments::{displacement_weights, functions_at};
+use rotor::shaft::internal_forces::{Forces, ScalarMass};
+use rotor::shaft::loads::{Loads, Turned, Which};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
@@ -165,7 +165,7 @@ fn a_plane_end_holds_mean_and_turn_of_the_boundary() {
             let support = json!([{ "at": 0, "kind": "cylindrical", "acts_on": word }]);
             let more = json!({ "shaft": { "element": element }, "supports": support });
             let model = model(&shaft(section.clone(), 1.0, 2, more));
-            let rows = rotor::support::constraint_rows(&model, 0);
+            let rows = rotor::shaft::attachments::constraint_rows(&model, 0);
             let (functions, points) = (functions_at(&model, 0), chords(&model.sections[0], acts_on));
             let length: f64 = points.iter().map(|p| p.2).sum();
             let mut expected = vec![vec![0.0; rows[0].len()]; 3];

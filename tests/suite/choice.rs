@@ -1,8 +1,8 @@
 //! What `"element": "auto"` and cases that name no element get: within 1e-3, by the closed form and finer members.
 
 use crate::common::{frequencies, model, shaft, with};
-use rotor::analysis::estimates::{bending_excess, torsion_excess};
-use rotor::analysis::growth::{basis_error, closed_form};
+use rotor::accuracy::locking_and_rounding::{bending_excess, torsion_excess};
+use rotor::accuracy::radial_growth::{basis_error, closed_form};
 use rotor::analysis::spinup::spinup;
 use rotor::case::LoadedCase;
 use rotor::model::Material;

@@ -7,13 +7,13 @@
 use crate::common::{case, with};
 use rotor::analysis::contact::contact;
 use rotor::case::LoadedCase;
-use rotor::contact::bodies::{Bodies, assemblies};
-use rotor::contact::penalty::{Model, Spring, add};
-use rotor::contact::search::Search;
-use rotor::contact::spatial;
 use rotor::linalg::lu::Entries;
 use rotor::model::scene::Scene;
 use rotor::results::Contact;
+use rotor::scene::bodies::{Bodies, assemblies};
+use rotor::scene::penalty::{Model, Spring, add};
+use rotor::scene::planar::probes::Search;
+use rotor::scene::spatial;
 use serde_json::{Value, json};
 
 fn scene(loaded: &LoadedCase) -> Scene {

@@ -2,13 +2,13 @@
 
 use crate::common::{draw, keep, of_kind, shaft};
 use crate::convergence_figure::{Curve, Panel, svg};
-use rotor::analysis::estimates::bending_excess;
-use rotor::analysis::growth::basis_error;
-use rotor::analysis::wall::ovalling_error;
+use rotor::accuracy::locking_and_rounding::bending_excess;
+use rotor::accuracy::radial_growth::basis_error;
+use rotor::accuracy::thin_wall::ovalling_error;
 use rotor::model::Material;
 use rotor::results::ModeKind;
 use rotor::section::Section;
-use rotor::vectors::SectionBasis;
+use rotor::section::basis::SectionBasis;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 

@@ -3,7 +3,7 @@
 use nalgebra::{Rotation3, Unit, Vector3};
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng};
-use rotor::contact::detect::{Aabb, OrientedBox, bezier, bezier_cubic, clip, near_pairs};
+use rotor::scene::near_pairs::{Aabb, OrientedBox, bezier, bezier_cubic, clip, near_pairs};
 use std::f64::consts::PI;
 
 type Point = Vector3<f64>;

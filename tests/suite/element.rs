@@ -4,11 +4,11 @@
 use faer::Mat;
 use rotor::element::ElementMatrices;
 use rotor::element::basis::{exponents, vector_name};
-use rotor::element::lanes::Scratch;
-use rotor::element::nonlinear::NonlinearElement;
+use rotor::element::kernel::simd::Scratch;
+use rotor::element::polynomial::NonlinearElement;
 use rotor::model::{ElementKind, Law, Material, Quadrature};
 use rotor::section::Section;
-use rotor::vectors::SectionBasis;
+use rotor::section::basis::SectionBasis;
 use serde_json::Value;
 
 const KIND_34X3: ElementKind =

@@ -5,12 +5,12 @@ use faer::Mat;
 use proptest::prelude::*;
 use rotor::analysis::check::properties;
 use rotor::analysis::matrices::matrices;
-use rotor::analysis::spectrum::Spectrum;
-use rotor::assembly::Assembly;
 use rotor::element::ElementMatrices;
 use rotor::model::{ElementKind, Law, Material};
 use rotor::section::Section;
-use rotor::vectors::SectionBasis;
+use rotor::section::basis::SectionBasis;
+use rotor::shaft::assembly::Assembly;
+use rotor::shaft::spectrum::Spectrum;
 use serde_json::{Value, json};
 
 const MATERIAL: Material = Material {
@@ -255,13 +255,13 @@ proptest! {
         let assembly = Assembly::new(&model);
         let spectrum = Spectrum::new(&assembly, 16).unwrap();
         let (frame, all) = (rotor::model::WhirlFrame::Stationary, rotor::model::Gyroscopic::All);
-        let operators = rotor::analysis::operators::Operators::new(&assembly, &spectrum, frame, all, None);
-        let reduced = rotor::analysis::reduced::Reduced::new(&operators, &spectrum, 16, 8).unwrap();
+        let operators = rotor::analysis::campbell::operators::Operators::new(&assembly, &spectrum, frame, all, None);
+        let reduced = rotor::analysis::campbell::reduced_basis::Reduced::new(&operators, &spectrum, 16, 8).unwrap();
         let (a, b) = (reduced.solve(speed).unwrap(), reduced.solve(-speed).unwrap());
         for (p, q) in a.motions.iter().zip(&b.motions).take(8) {
             prop_assert!((p.lambda.im - q.lambda.im).abs() <= 1e-7 * p.lambda.im);
         }
-        let whirl = |s: &rotor::analysis::reduced::Solution| -> f64 {
+        let whirl = |s: &rotor::analysis::campbell::reduced_basis::Solution| -> f64 {
             s.motions.iter().take(8).map(|m| reduced.travel_of(m).abs()).sum()
         };
         prop_assert!((whirl(&a) - whirl(&b)).abs() < 1e-3);

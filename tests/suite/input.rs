@@ -345,7 +345,7 @@ fn rotors_that_do_not_fit_a_frame_are_refused() {
     let refused = |set: &[(&str, Value)]| {
         let model = changed(set).unwrap_or_else(|e| panic!("{e}"));
         let settings = model.campbell.as_ref().unwrap();
-        let refusal = rotor::analysis::remarks::refusal(&model, settings);
+        let refusal = rotor::analysis::campbell::remarks::refusal(&model, settings);
         let failed = rotor::analysis::campbell::campbell(&model, settings, &|_| ()).is_err();
         assert_eq!(failed, refusal.is_some(), "{set:?}");
         refusal.map(|r| (r.path, format!("{} {}", r.reason, r.remedy)))

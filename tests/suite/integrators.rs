@@ -4,14 +4,14 @@
 use crate::common::{model, shaft, with};
 use ode_solvers::{DVector, Dopri5, OutputType, System};
 use rotor::analysis::spinup::spinup;
-use rotor::assembly::Assembly;
 use rotor::case::LoadedCase;
-use rotor::drive::Drive;
-use rotor::dynamics::Dynamics;
 use rotor::integrate::implicit::Scheme;
 use rotor::integrate::{Method, Moment, Progress, Settings, integrate};
 use rotor::model::{Frame, Model};
 use rotor::results::Spinup;
+use rotor::shaft::assembly::Assembly;
+use rotor::shaft::drive::Drive;
+use rotor::shaft::motion::Dynamics;
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::ops::ControlFlow;

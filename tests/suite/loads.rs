@@ -3,11 +3,11 @@
 use crate::common::{fieldtest, model, shaft, with};
 use rotor::analysis::spinup::{refusal, spinup};
 use rotor::analysis::statics::statics;
-use rotor::assembly::Assembly;
 use rotor::case::LoadedCase;
-use rotor::forces::{Forces, ScalarMass};
-use rotor::loads::{Loads, Turned, Which};
 use rotor::results::{Spinup, Static};
+use rotor::shaft::assembly::Assembly;
+use rotor::shaft::internal_forces::{Forces, ScalarMass};
+use rotor::shaft::loads::{Loads, Turned, Which};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 

@@ -19,6 +19,7 @@ mod elastica;
 mod element;
 mod frames;
 mod golden;
+mod house;
 mod identities;
 mod input;
 mod integrators;

@@ -4,13 +4,13 @@ use crate::common::{model, shaft, with};
 use nalgebra::{Rotation3, Vector3};
 use rotor::analysis::statics::statics;
 use rotor::element::ElementMatrices;
-use rotor::element::lanes::Scratch;
-use rotor::element::nonlinear::NonlinearElement;
+use rotor::element::kernel::simd::Scratch;
+use rotor::element::polynomial::NonlinearElement;
 use rotor::instructions::Instructions;
 use rotor::model::{ElementKind, Law, Material, Quadrature};
 use rotor::results::Static;
 use rotor::section::Section;
-use rotor::vectors::{SectionBasis, exponents, vector_name};
+use rotor::section::basis::{SectionBasis, exponents, vector_name};
 use serde_json::{Value, json};
 
 const MATERIAL: Material = Material {

@@ -389,7 +389,7 @@ fn curves_keep_fractions_of_a_pixel() {
 
 /// A study of `members` elements on `meshes` meshes, and whether the errors crowd together.
 fn study(members: usize, meshes: usize, crowded: bool, target: Option<f64>) -> Report<Tradeoff> {
-    use rotor::analysis::tradeoff::{Measured, Measurement, Reference, Subject, tradeoff};
+    use rotor::study::design::{Measured, Measurement, Reference, Subject, tradeoff};
     let mut points = Vec::new();
     for member in 0..members {
         for mesh in 0..meshes {

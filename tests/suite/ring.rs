@@ -3,19 +3,19 @@
 use crate::common::{model, of_kind, shaft};
 use faer::Mat;
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use rotor::analysis::growth::{basis_error, closed_form};
+use rotor::accuracy::radial_growth::{basis_error, closed_form};
+use rotor::accuracy::thin_wall::{ovalling_error, section_frequency};
 use rotor::analysis::spinup::spinup;
-use rotor::analysis::wall::{ovalling_error, section_frequency};
-use rotor::assembly::Assembly;
 use rotor::case::LoadedCase;
 use rotor::element::ElementMatrices;
 use rotor::element::basis::{SectionProducts, rotation_matrix};
-use rotor::element::lanes::Scratch;
-use rotor::element::ring_forces::RingElement;
+use rotor::element::kernel::simd::Scratch;
+use rotor::element::ring::forces::RingElement;
 use rotor::model::{ElementKind, Law, Material, Quadrature};
 use rotor::results::{Mode, ModeKind};
 use rotor::section::Section;
-use rotor::vectors::SectionBasis;
+use rotor::section::basis::SectionBasis;
+use rotor::shaft::assembly::Assembly;
 use serde_json::{Value, json};
 
 fn tube(outer: f64, inner: f64) -> Value {
@@ -714,7 +714,8 @@ fn estimates_of_automatic_choices_hold() {
         let model = model(&shaft(tube(0.2, inner), 1.0, 2, auto("auto")));
         let (section, material) = (&model.sections[0], &model.materials[0]);
         let basis = model.elements[0].kind.basis;
-        let error = rotor::analysis::growth::basis_error(section, material, basis, 0.2).expect("a tube");
+        let error =
+            rotor::accuracy::radial_growth::basis_error(section, material, basis, 0.2).expect("a tube");
         let estimate = model.estimated_error().expect("a choice");
         assert!(error.abs() < estimate && estimate < 2e-3, "{inner}: {error} {estimate}");
     }

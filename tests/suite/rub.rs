@@ -5,16 +5,16 @@ use crate::common::{case, fieldtest, model, with};
 use ode_solvers::{DVector, Dopri5, OutputType, System};
 use rotor::analysis::Outcome;
 use rotor::analysis::spinup::spinup;
-use rotor::assembly::Assembly;
 use rotor::case::LoadedCase;
-use rotor::drive::Drive;
-use rotor::dynamics::Dynamics;
 use rotor::integrate::implicit::Scheme;
 use rotor::integrate::{Method, Moment, Settings, integrate};
 use rotor::model::Frame;
-use rotor::results::{RubEventKind, Spinup, StatorSummary};
-use rotor::rub::{Contact, Law, Matrix, Vector};
+use rotor::results::{RubContact, RubEventKind, Spinup, StatorSummary};
 use rotor::run::{Analysis, run as whole};
+use rotor::shaft::assembly::Assembly;
+use rotor::shaft::drive::Drive;
+use rotor::shaft::motion::Dynamics;
+use rotor::shaft::stator_ring::{Law, Matrix, Vector};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 
@@ -88,7 +88,7 @@ fn friction_acts_at_the_surface() {
     };
     for (omega, sign) in [(100.0, -1.0), (-100.0, 1.0)] {
         let (place, rate) = spin(omega);
-        let Contact { gap, normal_force, friction_force, slip } = RING.contact(&place, &rate);
+        let RubContact { gap, normal_force, friction_force, slip } = RING.contact(&place, &rate);
         let f = force(&place, &rate);
         assert!((gap + 2e-4).abs() < 1e-15 && (normal_force - 8.0).abs() < 1e-11);
         assert!((slip - (0.01 + RING.radius * omega)).abs() < 1e-12, "{slip}");

@@ -4,10 +4,10 @@ use crate::common::{case, model, with};
 use nalgebra::{Rotation3, Vector3};
 use rotor::analysis::{spinup::spinup, statics::statics};
 use rotor::element::ElementMatrices;
-use rotor::element::structural::{AXIAL_POINTS, StructuralElement};
+use rotor::element::structural_3333s::{AXIAL_POINTS, StructuralElement};
 use rotor::model::{ElementKind, Law, Material};
 use rotor::section::Section;
-use rotor::vectors::SectionBasis;
+use rotor::section::basis::SectionBasis;
 use serde_json::json;
 
 const KIND: ElementKind =

@@ -1,13 +1,13 @@
 //! Studies of cost and error: front and choice of hand-made points, and the command on small grids.
 
 use crate::common::shaft;
-use rotor::analysis::tradeoff::{
-    Measured, Measurement, Reference, Settings, Subject, count, expand, is_finer, median, tradeoff,
-};
 use rotor::case::Grid;
 use rotor::error::Error;
 use rotor::results::{Diagnostic, Machine, Tradeoff, Trust};
 use rotor::study;
+use rotor::study::design::{
+    Measured, Measurement, Reference, Settings, Subject, expand, is_finer, median, tradeoff,
+};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -192,11 +192,11 @@ fn nothing_to_compare_is_a_failure() {
 fn grids_are_products_and_their_sums() {
     let grid = |value: Value| serde_json::from_value::<Grid>(value).expect("a grid");
     let product = grid(json!({ "a": [1, 2], "b": ["x", "y", "z"] }));
-    assert_eq!((count(&product), expand(&product).len()), (6, 6));
+    assert_eq!((product.count(), expand(&product).len()), (6, 6));
     assert_eq!(json!(expand(&product)[1]), json!({ "a": 1, "b": "y" }));
     // what two products have in common is one point
     let sum = grid(json!([{ "a": [1, 2] }, { "a": [2, 3] }]));
-    assert_eq!((count(&sum), expand(&sum).len()), (4, 3));
+    assert_eq!((sum.count(), expand(&sum).len()), (4, 3));
     for wrong in [json!([]), json!({}), json!({ "a": [] }), json!({ "a": 1 }), json!("a"), json!([[1]])] {
         assert!(serde_json::from_value::<Grid>(wrong.clone()).is_err(), "{wrong}");
     }

@@ -1,11 +1,11 @@
 //! `rotor check` of a contact scene: what is there, what holds it, and how contact will be enforced, without a run.
 
-use super::{Detector, steps, summary, unused_input};
 use crate::analysis::Outcome;
-use crate::contact::bodies::{Bodies, assemblies};
+use crate::analysis::contact::{Detector, steps, summary, unused_input};
 use crate::error::Result;
 use crate::model::scene::{Enforcement, Scene};
 use crate::results::{BodyCheck, Diagnostic, PairCheck, SceneCheck};
+use crate::scene::bodies::{Bodies, assemblies};
 
 /// Size, mass and settings of a scene, and the gaps between its bodies as they are placed.
 ///
@@ -73,7 +73,7 @@ pub fn gaps(bodies: &Bodies<'_>) -> Vec<PairCheck> {
     let one = |(a, b): (usize, usize)| PairCheck {
         pair: [a, b].map(|i| scene.bodies[i].name.clone()),
         gap_m: detector.distance(bodies, (a, b), bodies.reference()),
-        penalty_n_m3: super::own_penalty(scene, (a, b)),
+        penalty_n_m3: crate::analysis::contact::own_penalty(scene, (a, b)),
     };
-    super::pairs(scene).into_iter().filter(|(a, b)| a != b).map(one).collect()
+    crate::analysis::contact::pairs(scene).into_iter().filter(|(a, b)| a != b).map(one).collect()
 }

@@ -1,14 +1,14 @@
 //! Equilibrium of a scene under its loads, with penalty springs or exact constraints.
 
-use super::Detector;
-use crate::contact::bodies::Bodies;
-use crate::contact::gap::product;
-use crate::contact::penalty::{self, Spring};
-use crate::contact::search::Key;
+use crate::analysis::contact::Detector;
 use crate::error::Result;
 use crate::linalg::lu::{Entries, Solver};
 use crate::model::scene::Enforcement;
 use crate::results::{ContactCost, ContactSolver};
+use crate::scene::bodies::Bodies;
+use crate::scene::gap::product;
+use crate::scene::penalty::{self, Spring};
+use crate::scene::planar::probes::Key;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -81,7 +81,7 @@ impl<'a> Equilibrium<'a> {
 
     /// Loads in steps, each cut in halves where Newton's method does not converge. `watch` sees the share of the loads and stops
     /// by false.
-    pub fn solve(mut self, watch: super::Watch<'_>) -> (State, Detector) {
+    pub fn solve(mut self, watch: crate::analysis::contact::Watch<'_>) -> (State, Detector) {
         let mut q = self.bodies.reference().to_vec();
         let step = 1.0 / self.bodies.scene.contact.load_steps as f64;
         let (mut factor, mut size) = (0.0, step);

@@ -3,20 +3,20 @@
 mod check;
 mod equilibrium;
 mod motion;
-mod record;
+mod recorder;
 
-use super::Outcome;
-use crate::contact::bodies::{Bodies, assemblies};
-use crate::contact::penalty::Spring;
-use crate::contact::search::{Counts, Key, Search};
-use crate::contact::{spatial, start};
+use crate::analysis::Outcome;
 use crate::error::Result;
 use crate::model::scene::{Action, ContactSettings, Enforcement, Scene, Stepping, Unused};
 use crate::results::{BodyState, Contact, Diagnostic, ModelSummary, PairState};
+use crate::scene::bodies::{Bodies, assemblies};
+use crate::scene::penalty::Spring;
+use crate::scene::planar::probes::{Counts, Key, Search};
+use crate::scene::spatial;
 pub use check::check;
 use equilibrium::Equilibrium;
 use motion::Motion;
-use record::{Recorder, due, kind, pairs, views};
+use recorder::{Recorder, due, kind, pairs, views};
 use std::time::Instant;
 
 /// Called with the share of the run that is done and a line on where it is; false stops the run.
@@ -120,7 +120,7 @@ pub fn overlap(scene: &Scene) -> Result<Option<Overlap>> {
         return Ok(None);
     }
     let found = if scene.is_planar() {
-        start::rectangles(scene)
+        crate::scene::planar::overlap::rectangles(scene)
     } else {
         let shafts = assemblies(scene);
         let bodies = Bodies::new(scene, &shafts)?;

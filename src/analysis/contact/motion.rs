@@ -1,18 +1,18 @@
 //! Motion of a planar scene: an energy-consistent step with penalty springs, and the semi-implicit Euler step with penalty
 //! springs or complementarity of gap velocity and impulse.
 
-use super::record::{Energies, Recorder, Touch};
-use crate::contact::bodies::Bodies;
-use crate::contact::boundary::Hit;
-use crate::contact::gap::Gap;
-use crate::contact::penalty::{self, GapGradient, Model, Spring, Stroke, Sums};
-use crate::contact::search::{Probe, Search};
+use crate::analysis::contact::recorder::{Energies, Recorder, Touch};
 use crate::error::{Error, Result};
 use crate::linalg::factor::Ldlt;
 use crate::linalg::lcp::lemke;
 use crate::linalg::lu::{Entries, Solver};
 use crate::model::scene::{Enforcement, Stepping};
 use crate::results::{ContactCost, ContactSolver};
+use crate::scene::bodies::Bodies;
+use crate::scene::gap::Gap;
+use crate::scene::penalty::{self, GapGradient, Model, Spring, Stroke, Sums};
+use crate::scene::planar::boundary::Hit;
+use crate::scene::planar::probes::{Probe, Search};
 use faer::Mat;
 use std::time::Instant;
 

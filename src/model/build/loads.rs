@@ -1,8 +1,8 @@
 //! Loads and probes.
 
-use super::Input;
 use crate::case;
 use crate::error::Result;
+use crate::model::build::Input;
 use crate::model::mesh::Mesh;
 use crate::model::{Load, LoadKind, Probe, Reading, SurfaceLoad, Traction};
 use crate::section::{Section, Shape, Surface};

@@ -1,8 +1,8 @@
 //! Settings of the nonlinear analyses: quadrature, static, spinup.
 
-use super::Input;
 use crate::case;
 use crate::error::Result;
+use crate::model::build::Input;
 use crate::model::mesh::Mesh;
 use crate::model::{Frame, Integrator, Phase, Quadrature, Shape, SpinupSettings, StaticSettings, Stator};
 use crate::section::Section;

@@ -3,7 +3,7 @@
 use super::cell::{Cell, Measured, cell};
 use super::linear::{circle, tube};
 use crate::common::shaft;
-use rotor::analysis::growth::closed_form;
+use rotor::accuracy::radial_growth::closed_form;
 use rotor::analysis::spinup::spinup;
 use rotor::case::LoadedCase;
 use rotor::model::Model;

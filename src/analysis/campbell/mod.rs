@@ -1,0 +1,388 @@
+//! `rotor campbell`: whirl frequencies over spin speed, and critical speeds.
+//!
+//! The frames and forms are those of [`crate::analysis::campbell::operators`]. The sweep runs on a reduced basis whose error is
+//! measured against the unreduced problem at the highest speed; critical speeds are solved directly and
+//! cross-checked with the sweep. Source: docs/theory.md section 6.
+
+pub mod branch_tracking;
+mod branches;
+mod crossings;
+pub mod first_order;
+pub mod operators;
+pub mod reduced_basis;
+pub mod remarks;
+pub mod spin_stiffening;
+pub mod synchronous;
+mod unstable_ranges;
+mod whirl_solver;
+
+use crate::accuracy::locking_and_rounding::{refuse_dependent, refuse_tiny_bore};
+use crate::analysis::campbell::branches::mostly;
+use crate::analysis::campbell::operators::Operators;
+use crate::analysis::campbell::reduced_basis::{Reduced, Solution, Whirling};
+use crate::analysis::campbell::remarks::{describe_model, offset_remark, refusal, speed_remarks};
+use crate::analysis::campbell::spin_stiffening::{Stiffening, burst, burst_of};
+use crate::analysis::campbell::synchronous::Criticals;
+use crate::analysis::character::Character;
+use crate::analysis::{Outcome, ignored_input, model_remarks, summary};
+use crate::error::{Error, Result};
+use crate::linalg::factor::Ldlt;
+use crate::linalg::sparse::combine;
+use crate::model::{CampbellSettings, Form, Gyroscopic, Model, WhirlFrame};
+use crate::results::{Branch, Campbell, Diagnostic, Reduction};
+use crate::shaft::assembly::Assembly;
+use crate::shaft::spectrum::{Flexibility, Spectrum};
+use faer::c64;
+use rayon::prelude::*;
+
+/// Branches followed beyond those reported, to name the critical speeds they pass.
+pub(super) const SPARE: usize = 8;
+/// Energy norm of the imbalance at which an unreduced motion counts as solved; its frequency's error is
+/// the square.
+const BALANCE: f64 = 1e-6;
+/// Imbalance above which the check of the reduced model is in doubt.
+const ACCEPTED: f64 = 1e-4;
+/// Share of the basis used for static corrections.
+const CORRECTED: f64 = 0.4;
+
+/// Progress of a sweep: called with the number of speeds done.
+pub type Progress<'a> = &'a (dyn Fn(usize) + Sync);
+
+/// Sweeps the spin speed and solves for critical speeds.
+///
+/// # Errors
+/// A rotor that the frame or the form does not fit, a shaft that bursts, or an eigenvalue solver that does not
+/// converge.
+pub fn campbell(
+    model: &Model,
+    settings: &CampbellSettings,
+    progress: Progress<'_>,
+) -> Result<Outcome<Campbell>> {
+    let mut diagnostics = ignored_input(model);
+    if let Some(refused) = refusal(model, settings) {
+        return Err(Error::Case {
+            path: refused.path.to_owned(),
+            problem: refused.reason.to_owned(),
+            allowed: refused.remedy.to_owned(),
+        });
+    }
+    refuse_dependent(model)?;
+    if settings.form == Form::Consistent && settings.speeds.iter().any(|s| *s > 0.0) {
+        refuse_tiny_bore(model)?;
+    }
+    let assembly = Assembly::new(model);
+    diagnostics.extend(model_remarks(model, &assembly));
+    let basis = settings.reduction.unwrap_or(60).max(settings.modes + SPARE);
+    let corrected = (CORRECTED * basis as f64).ceil() as usize;
+    let spectrum = Spectrum::new(&assembly, basis - corrected)?;
+    if !spectrum.complete {
+        diagnostics.push(Diagnostic::error(
+            "sturm-count",
+            "a mode of the basis may be missing (Sturm count at rest)",
+        ));
+    }
+    refuse_supports(&assembly, &spectrum, settings)?;
+    let highest = settings.speeds.last().copied().unwrap_or(0.0);
+    let stiffening = match settings.form {
+        Form::Consistent if highest > 0.0 => {
+            let stiffening = Stiffening::new(model, &spectrum, highest);
+            Some(stiffening.map_err(|error| burst_of(model, error, highest))?)
+        }
+        _ => None,
+    };
+    let operators = Operators::new(&assembly, &spectrum, settings.frame, settings.gyroscopic, stiffening);
+    refuse_burst(&operators, &spectrum, highest).map_err(|error| burst_of(model, error, highest))?;
+    let reduced = Reduced::new(&operators, &spectrum, basis - corrected, corrected)?;
+    let criticals = if highest > 0.0 && (operators.is_conservative() || operators.is_rotating()) {
+        Some(synchronous::critical_speeds(&operators, &spectrum, highest)?)
+    } else {
+        None
+    };
+    let speeds = speeds(settings, &operators, criticals.as_ref());
+    let solver = Solver { operators: &operators, spectrum: &spectrum, reduced: &reduced, settings, speeds };
+
+    let sweep = solver.sweep(progress)?;
+    let character = Character::new(&assembly)?;
+    let branches = solver.track(&sweep, &character, &mut diagnostics)?;
+
+    let axisymmetric = model.is_axisymmetric();
+    let critical_speeds =
+        solver.critical_speeds(criticals, axisymmetric, &sweep, &branches, &character, &mut diagnostics)?;
+    let unstable_ranges = solver.unstable_ranges(&sweep, &branches)?;
+    let stability_threshold_rad_s = solver.threshold(&unstable_ranges, &sweep, &branches, &mut diagnostics);
+    let measured_error = solver.measured_error(&sweep, &mut diagnostics)?;
+    offset_remark(model, settings, &mut diagnostics);
+    speed_remarks(model, highest, &unstable_ranges, &mut diagnostics);
+
+    let mass = crate::analysis::check::properties(model).mass();
+    let mut model_summary = summary(model, assembly.size(), mass);
+    describe_model(model, settings, &operators, &mut model_summary);
+    let reported: Vec<Branch> =
+        branches.into_iter().take(settings.modes).map(|t| solver.at_asked_speeds(t.branch)).collect();
+    if reported.len() < settings.modes {
+        diagnostics.push(Diagnostic::warning(
+            "few-branches",
+            format!("{} branches were asked for; the basis holds only {}", settings.modes, reported.len()),
+        ));
+    }
+    let results = Campbell {
+        frame: match settings.frame {
+            WhirlFrame::Stationary => "stationary",
+            WhirlFrame::Rotating => "rotating",
+        },
+        form: match settings.form {
+            Form::Classical => "classical",
+            Form::Consistent => "consistent",
+        },
+        gyroscopic: match settings.gyroscopic {
+            Gyroscopic::All => "all",
+            Gyroscopic::Disks => "disks",
+            Gyroscopic::None => "none",
+        },
+        speeds_rad_s: settings.speeds.clone(),
+        branches: reported,
+        critical_speeds,
+        orders: settings.orders.clone(),
+        unstable_ranges,
+        stability_threshold_rad_s,
+        reduction: Reduction {
+            basis: settings.reduction.map(|_| reduced.size()),
+            measured_error,
+            stiffening_error: operators.stiffening.as_ref().map(|s| s.error),
+        },
+    };
+    Ok(Outcome { results, model: model_summary, diagnostics })
+}
+
+/// Supports whose spinning rotor has no steady state to linearise about.
+fn refuse_supports(assembly: &Assembly<'_>, spectrum: &Spectrum, settings: &CampbellSettings) -> Result<()> {
+    let rigid =
+        |axes: &[&str]| spectrum.rigid_names.iter().find(|n| axes.iter().any(|axis| n.contains(axis)));
+    let across = ["along y", "along z", "about y", "about z"];
+    if let (WhirlFrame::Rotating, Some(motion)) = (settings.frame, rigid(&across)) {
+        return Err(Error::Case {
+            path: "campbell.frame".to_owned(),
+            problem: format!(
+                "the rotating frame needs a rotor that is held across its axis, but nothing resists {motion}"
+            ),
+            allowed: "\"stationary\"; or more bearings".to_owned(),
+        });
+    }
+    if settings.form == Form::Consistent && rigid(&["about x"]).is_some() && assembly.holds_stretch_one_way()
+    {
+        return Err(Error::Case {
+            path: "supports".to_owned(),
+            problem: "a support holds the stretch of a section in a direction fixed in space while the shaft is free to \
+                      turn: spinning, it would press against that support unevenly"
+                .to_owned(),
+            allowed: "a support of a kind (revolute, cylindrical, pinned, roller, bearing), one that holds all in-plane \
+                      components alike, or \"form\": \"classical\""
+                .to_owned(),
+        });
+    }
+    Ok(())
+}
+
+/// In the stationary frame a stiffness that is not positive any more is the end of the shaft.
+fn refuse_burst(operators: &Operators, spectrum: &Spectrum, highest: f64) -> Result<()> {
+    if operators.stiffening.is_none() || operators.is_rotating() {
+        return Ok(());
+    }
+    let holds = |speed: f64| -> Result<bool> {
+        // what soft bearings hold is held
+        let loose = spectrum.flexibility.loose_motions();
+        let k = Flexibility::new(&operators.stiffness_at(speed), &operators.mass, loose)?;
+        Ok(k.unstable_directions() == 0)
+    };
+    if holds(highest)? {
+        return Ok(());
+    }
+    let (mut low, mut high) = (0.0, highest);
+    for _ in 0..20 {
+        let middle = (low + high) / 2.0;
+        if holds(middle)? { low = middle } else { high = middle }
+    }
+    Err(burst(low, "K_T - Omega^2 N, which is no longer positive definite"))
+}
+
+/// The speeds asked for, standstill and, in the rotating frame, one speed between neighbouring critical speeds that have none:
+/// a rotor may be unstable there.
+fn speeds(settings: &CampbellSettings, operators: &Operators, criticals: Option<&Criticals>) -> Vec<f64> {
+    let mut speeds = settings.speeds.clone();
+    if speeds.first().is_some_and(|first| *first > 0.0) {
+        speeds.insert(0, 0.0);
+    }
+    if let (true, Some(criticals), [first, .., last]) =
+        (operators.is_rotating(), criticals, &settings.speeds[..])
+    {
+        for pair in criticals.list.windows(2) {
+            let (a, b) = (pair[0].speed, pair[1].speed);
+            let inside = |s: f64| a < s && s < b;
+            let middle = (a + b) / 2.0;
+            if b > a * (1.0 + 1e-8)
+                && *first < middle
+                && middle < *last
+                && !settings.speeds.iter().any(|s| inside(*s))
+            {
+                speeds.push(middle);
+            }
+        }
+        speeds.sort_by(f64::total_cmp);
+    }
+    speeds
+}
+
+pub(super) struct Solver<'a> {
+    pub operators: &'a Operators,
+    pub spectrum: &'a Spectrum,
+    pub reduced: &'a Reduced,
+    pub settings: &'a CampbellSettings,
+    /// Speeds of the sweep, those asked for among them.
+    pub speeds: Vec<f64>,
+}
+
+impl Solver<'_> {
+    /// Motions at one speed, reduced or corrected until they satisfy the unreduced equations.
+    pub fn solve(&self, speed: f64) -> Result<Solution> {
+        match self.settings.reduction {
+            Some(_) => self.reduced.solve(speed),
+            None => Ok(self.unreduced(speed)?.0),
+        }
+    }
+
+    /// Extends the basis by static answers to the imbalance of the motions until it is below
+    /// [`BALANCE`]; also returns the imbalance that remains.
+    fn unreduced(&self, speed: f64) -> Result<(Solution, f64)> {
+        let wanted = self.settings.modes + SPARE;
+        let mut solution = self.reduced.solve(speed)?;
+        let mut refined: Option<Reduced> = None;
+        let mut before: Option<(Solution, Option<Reduced>)> = None;
+        let mut imbalance = f64::INFINITY;
+        for _ in 0..6 {
+            let current = refined.as_ref().unwrap_or(self.reduced);
+            let targets: Vec<Whirling> =
+                solution.motions.iter().take(wanted.min(solution.oscillating)).cloned().collect();
+            let (next, left) = current.refined(self.operators, self.spectrum, speed, &targets)?;
+            // what no longer shrinks is rounding, and corrections of it would be noise in the basis
+            let stalled = left > imbalance / 2.0 && left <= ACCEPTED;
+            if let (true, Some(before)) = (stalled && left > imbalance, before.take()) {
+                (solution, refined) = before;
+            } else {
+                imbalance = left;
+            }
+            if stalled || imbalance <= BALANCE {
+                break;
+            }
+            let solved = next.solve(speed)?;
+            before = Some((std::mem::replace(&mut solution, solved), refined.replace(next)));
+        }
+        // back to the common basis, so that motions of different speeds can be compared
+        if let Some(refined) = &refined {
+            solution = refined.onto(self.reduced, self.operators, solution)?;
+        }
+        Ok((solution, imbalance))
+    }
+
+    /// The motions at every speed.
+    fn sweep(&self, progress: Progress<'_>) -> Result<Vec<Solution>> {
+        let speeds = &self.speeds;
+        if !self.operators.depends_on_speed() {
+            let solution = self.solve(speeds[0])?;
+            progress(speeds.len());
+            return Ok(speeds.iter().map(|&speed| Solution { speed, ..solution.clone() }).collect());
+        }
+        speeds
+            .par_iter()
+            .map(|&speed| {
+                let solution = self.solve(speed);
+                progress(usize::from(self.settings.speeds.contains(&speed)));
+                solution
+            })
+            .collect()
+    }
+
+    /// The values of a branch at the speeds asked for.
+    fn at_asked_speeds(&self, branch: Branch) -> Branch {
+        fn keep<T: Copy>(list: &[T], asked: &[bool]) -> Vec<T> {
+            list.iter().zip(asked).filter(|(_, asked)| **asked).map(|(value, _)| *value).collect()
+        }
+        let asked: Vec<bool> = self.speeds.iter().map(|speed| self.settings.speeds.contains(speed)).collect();
+        let whirl_at_speed = keep(&branch.whirl_at_speed, &asked);
+        Branch {
+            whirl: mostly(&whirl_at_speed),
+            whirl_at_speed,
+            frequency_rad_s: keep(&branch.frequency_rad_s, &asked),
+            log_decrement: keep(&branch.log_decrement, &asked),
+            overdamped: branch
+                .overdamped
+                .iter()
+                .copied()
+                .filter(|s| self.settings.speeds.contains(s))
+                .collect(),
+            ..branch
+        }
+    }
+
+    /// Largest relative difference of a reported frequency to the unreduced one at the highest speed, and
+    /// a count of the frequencies below the last one there.
+    fn measured_error(&self, sweep: &[Solution], diagnostics: &mut Vec<Diagnostic>) -> Result<Option<f64>> {
+        let Some(last) = sweep.last() else { return Ok(None) };
+        let (exact, imbalance) = self.unreduced(last.speed)?;
+        if imbalance > ACCEPTED {
+            diagnostics.push(Diagnostic::warning(
+                "unreduced-check",
+                format!("the unreduced problem at the highest speed was solved to an imbalance of {imbalance:.1e} only"),
+            ));
+        }
+        let count = self.settings.modes.min(last.oscillating).min(exact.oscillating);
+        if self.operators.is_conservative() && count > 0 {
+            let (below, expected) = self.count(&exact, count, last.speed)?;
+            if below != Some(expected) {
+                diagnostics.push(Diagnostic::error(
+                    "sturm-count-at-speed",
+                    "at the highest speed an inertia count disagrees with the number of frequencies found",
+                ));
+            }
+        }
+        if self.settings.reduction.is_none() {
+            return Ok(None);
+        }
+        // in the rotating frame a frequency near zero is one near the speed, seen from there
+        let shift = if self.operators.is_rotating() { last.speed } else { 0.0 };
+        let error = |i: usize| {
+            let (ours, exact) = (last.motions[i].lambda.im, exact.motions[i].lambda.im);
+            ((ours - exact) / exact.max(shift)).abs()
+        };
+        Ok(Some((0..count).map(error).fold(0.0, f64::max)))
+    }
+
+    /// Number of negative pivots of `K + i w Omega G - w^2 M` at a frequency w in the widest gap after the
+    /// `count` lowest, and the number expected: what K itself has, and one more or less for each frequency
+    /// passed on the way from zero, by the sign of its energy.
+    fn count(&self, exact: &Solution, count: usize, speed: f64) -> Result<(Option<usize>, usize)> {
+        let frequency = |i: usize| exact.motions[i].lambda.im;
+        let candidates = (count..(count + SPARE).min(exact.oscillating)).filter(|&a| frequency(a - 1) > 0.0);
+        let widest = candidates
+            .max_by(|&a, &b| (frequency(a) / frequency(a - 1)).total_cmp(&(frequency(b) / frequency(b - 1))));
+        let Some(at) = widest else { return Ok((Some(0), 0)) };
+        let w = (frequency(at - 1) * frequency(at)).sqrt();
+        let real = |v: f64| c64::new(v, 0.0);
+        let stiffness = self.operators.stiffness_at(speed);
+        let mut terms = vec![(real(1.0), &stiffness), (real(-w * w), &self.operators.mass)];
+        if let Some(g) = &self.operators.gyroscopic {
+            terms.push((c64::new(0.0, w * speed), g));
+        }
+        let mut expected = at as isize;
+        if self.operators.is_rotating() {
+            let rigid = self.spectrum.flexibility.rigid.clone();
+            let pinned = Flexibility::new(&stiffness, &self.operators.mass, rigid)?;
+            // with growing motions left aside: they never pass a real frequency
+            let passed = exact.motions[..at].iter().filter(|m| m.lambda.re == 0.0 && m.lambda.im > 0.0);
+            let signs = passed.map(|m| if self.reduced.energy_sign(m, speed) { 1 } else { -1 });
+            expected = pinned.unstable_directions() as isize + signs.sum::<isize>();
+        }
+        expected += self.reduced.zero_frequencies(speed)? as isize;
+        let expected = usize::try_from(expected).unwrap_or(usize::MAX);
+        Ok((Ldlt::new(&combine(&terms))?.negative_pivots(), expected))
+    }
+}

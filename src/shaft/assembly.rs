@@ -1,0 +1,845 @@
+//! From a model to sparse matrices in the free coordinates.
+//!
+//! Constraints hold within single nodes and are eliminated: `q = T z` with z a subset of the
+//! coordinates, `A_free = T^T A T`; so are the vectors that follow a neighbour's at a joint of unlike elements. Matrices are accumulated in column profiles (the shaft is a chain, so
+//! the profile is narrow) and stored without exact zeros, which uncouples the planes of symmetry.
+//! Each matrix is built only when an analysis asks for it.
+
+use crate::element::ElementMatrices;
+use crate::element::basis::rotation_matrix;
+use crate::linalg::chain::{Layout, Link};
+use crate::linalg::sparse::{Sparse, from_columns};
+use crate::model::{Element, Gyroscopic, Material, Model, Node};
+use crate::section::basis::SectionBasis;
+use crate::shaft::attachments::{self, Contribution, Numbering};
+use faer::Mat;
+use nalgebra::DMatrix;
+
+/// Relative size below which a constraint or a motion counts as zero.
+const ROUNDING: f64 = 1e-9;
+
+/// The matrix of one element that a system matrix sums.
+type ElementMatrix<'a> = &'a dyn Fn(&Material, &ElementMatrices) -> Mat<f64>;
+
+/// A model with its numbering, constraints and the matrices of its distinct elements.
+pub struct Assembly<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// Coordinates before constraints.
+    pub numbering: Numbering,
+    /// `T`: every coordinate as a sum over free coordinates.
+    expansion: Vec<Vec<(usize, f64)>>,
+    /// Index before constraints of every free coordinate.
+    free: Vec<usize>,
+    /// Matrices of the distinct elements.
+    distinct: Vec<ElementMatrices>,
+    /// Which of them each element uses.
+    element_type: Vec<usize>,
+    /// Node and coefficients (over its coordinates) of every constraint.
+    constraints: Vec<(usize, Vec<f64>)>,
+}
+
+/// What a system matrix sums: the matrix of every distinct element (none: no element has a share), and
+/// contributions of nodes.
+pub struct Parts {
+    /// By type of element.
+    pub elements: Vec<Mat<f64>>,
+    /// On coordinates before constraints.
+    pub nodal: Vec<Contribution>,
+}
+
+/// One direction of a bearing's stiffness.
+pub struct Spring {
+    /// The displacement it feels, as a row over coordinates before constraints.
+    pub row: Vec<(usize, f64)>,
+    /// N/m, above zero.
+    pub stiffness: f64,
+}
+
+impl Parts {
+    /// `A J`, `J u = e_x x u` on every vector.
+    pub fn times_cross(mut self) -> Self {
+        self.elements.iter_mut().for_each(|a| *a = times_cross(a));
+        self.nodal.iter_mut().for_each(|part| part.matrix = times_cross(&part.matrix));
+        self
+    }
+}
+
+impl<'a> Assembly<'a> {
+    /// Numbers the coordinates, eliminates the constraints and computes each distinct element once.
+    pub fn new(model: &'a Model) -> Self {
+        let numbering = Numbering::new(model);
+        let (expansion, free, constraints) = eliminate(model, &numbering, true);
+        Self::with(model, numbering, expansion, free, constraints)
+    }
+
+    /// The same without any support, rigid hubs not constrained; joints hold.
+    pub fn unsupported(model: &'a Model) -> Self {
+        let numbering = Numbering::new(model);
+        let (expansion, free, constraints) = eliminate(model, &numbering, false);
+        Self::with(model, numbering, expansion, free, constraints)
+    }
+
+    /// The same without any constraint: all coordinates free, also those that follow at joints.
+    pub fn unconstrained(model: &'a Model) -> Self {
+        let numbering = Numbering::new(model);
+        let expansion = (0..numbering.len()).map(|i| vec![(i, 1.0)]).collect();
+        let free = (0..numbering.len()).collect();
+        Self::with(model, numbering, expansion, free, Vec::new())
+    }
+
+    fn with(
+        model: &'a Model,
+        numbering: Numbering,
+        expansion: Vec<Vec<(usize, f64)>>,
+        free: Vec<usize>,
+        constraints: Vec<(usize, Vec<f64>)>,
+    ) -> Self {
+        let mut keys: Vec<&Element> = Vec::new();
+        let same = |a: &Element, b: &Element| {
+            (a.kind, a.section, a.material) == (b.kind, b.section, b.material)
+                && (a.length - b.length).abs() <= 1e-13 * b.length
+        };
+        let element_type = model
+            .elements
+            .iter()
+            .map(|e| {
+                keys.iter().position(|k| same(k, e)).unwrap_or_else(|| {
+                    keys.push(e);
+                    keys.len() - 1
+                })
+            })
+            .collect();
+        let distinct = keys
+            .iter()
+            .map(|e| {
+                let (section, material) = (&model.sections[e.section], &model.materials[e.material]);
+                ElementMatrices::new(e.kind, section, material, e.length, model.reference_length)
+            })
+            .collect();
+        Self { model, numbering, expansion, free, distinct, element_type, constraints }
+    }
+
+    /// Number of free coordinates.
+    pub fn size(&self) -> usize {
+        self.free.len()
+    }
+
+    /// Index of the distinct element that an element is a copy of.
+    pub fn element_type(&self, element: usize) -> usize {
+        self.element_type[element]
+    }
+
+    /// Nodes that carry constraints.
+    pub fn constrained_nodes(&self) -> impl Iterator<Item = usize> {
+        self.constraints.iter().map(|(node, _)| *node)
+    }
+
+    /// `T^T f`: forces on all coordinates as forces on the free ones.
+    pub fn project(&self, f: &[f64], on_free: &mut [f64]) {
+        on_free.fill(0.0);
+        for (row, f) in self.expansion.iter().zip(f) {
+            for &(j, c) in row {
+                on_free[j] += c * f;
+            }
+        }
+    }
+
+    /// `T^T A T` for matrices of elements (in the elements' coordinates) and contributions of nodes.
+    pub fn sum(&self, elements: &[Mat<f64>], nodal: Vec<Contribution>) -> Sparse {
+        let coordinates: Vec<_> = self.model.elements.iter().map(|e| self.element_coordinates(e)).collect();
+        let parts: Vec<_> = coordinates.iter().zip(elements).collect();
+        let nodal = nodal.iter().map(|n| (&n.coordinates, &n.matrix));
+        self.accumulate(&parts.into_iter().chain(nodal).collect::<Vec<_>>())
+    }
+
+    /// Coordinates before constraints, `q = T z`.
+    pub fn expand(&self, z: &[f64]) -> Vec<f64> {
+        let mut q = vec![0.0; self.numbering.len()];
+        self.expand_into(z, &mut q);
+        q
+    }
+
+    /// [`Self::expand`] into memory that is there.
+    pub fn expand_into(&self, z: &[f64], q: &mut [f64]) {
+        for (q, row) in q.iter_mut().zip(&self.expansion) {
+            *q = row.iter().map(|&(j, c)| c * z[j]).sum();
+        }
+    }
+
+    /// A coordinate as a sum over the free ones, `(free coordinate, factor)`.
+    pub fn expansion(&self, coordinate: usize) -> &[(usize, f64)] {
+        &self.expansion[coordinate]
+    }
+
+    /// The free coordinates among all coordinates `q` (the inverse of [`Self::expand`] where q satisfies
+    /// the constraints).
+    pub fn restrict(&self, q: &[f64]) -> Vec<f64> {
+        self.free.iter().map(|&i| q[i]).collect()
+    }
+
+    /// [`Self::restrict`] into memory that is there.
+    pub fn restrict_into(&self, q: &[f64], z: &mut [f64]) {
+        z.iter_mut().zip(&self.free).for_each(|(z, &i)| *z = q[i]);
+    }
+
+    /// The coordinates of a range that are free.
+    pub fn free_among(&self, range: std::ops::Range<usize>) -> Vec<usize> {
+        self.free.iter().copied().filter(|i| range.contains(i)).collect()
+    }
+
+    /// Matrices of one element.
+    pub fn element_matrices(&self, element: usize) -> &ElementMatrices {
+        &self.distinct[self.element_type[element]]
+    }
+
+    /// Coordinates of an element before constraints, in its own order.
+    pub fn element_coordinates(&self, element: &Element) -> Vec<usize> {
+        let n_vectors = element.kind.n_vectors();
+        (0..=element.kind.axial_degree)
+            .flat_map(|i| {
+                let start = self.numbering.of_element(element, i);
+                start..start + 3 * n_vectors
+            })
+            .collect()
+    }
+
+    /// Mass of shaft and disks, symmetric positive definite.
+    pub fn mass(&self) -> Sparse {
+        self.add_up(&self.mass_parts())
+    }
+
+    /// Parts of [`Self::mass`].
+    pub fn mass_parts(&self) -> Parts {
+        self.parts(Some(&|_, m| m.mass.clone()), attachments::disk_mass(self.model, &self.numbering))
+    }
+
+    /// Stiffness about the undeformed state: shaft, hubs and the symmetric part of the bearings.
+    pub fn stiffness(&self) -> Sparse {
+        let mut nodal = attachments::Hubs::new(self.model, &self.numbering).stiffness();
+        nodal.extend(self.bearings(|b| symmetric_part(b.stiffness)));
+        self.build(Some(&|_, m| m.stiffness.clone()), nodal)
+    }
+
+    /// The bearings' symmetric stiffness as springs along its principal directions.
+    pub fn springs(&self) -> Vec<Spring> {
+        let mut springs = Vec::new();
+        for bearing in &self.model.bearings {
+            let [y, z] = attachments::bearing_rows(self.model, &self.numbering, bearing);
+            let [[kyy, off], [_, kzz]] = symmetric_part(bearing.stiffness);
+            // a turn by half the angle of (kyy - kzz, 2 off); none where y and z are uncoupled
+            let (sin, cos) =
+                if off == 0.0 { (0.0, 1.0) } else { (off.atan2((kyy - kzz) / 2.0) / 2.0).sin_cos() };
+            let along = |a: f64, b: f64| -> Vec<(usize, f64)> {
+                let scaled = |row: &[(usize, f64)], by: f64| -> Vec<(usize, f64)> {
+                    row.iter().filter(|_| by != 0.0).map(|&(i, w)| (i, by * w)).collect()
+                };
+                [scaled(&y, a), scaled(&z, b)].concat()
+            };
+            let law = |a: f64, b: f64| a * a * kyy + 2.0 * a * b * off + b * b * kzz;
+            for (a, b) in [(cos, sin), (-sin, cos)] {
+                let stiffness = law(a, b);
+                let rounding = if off == 0.0 { 0.0 } else { 16.0 * f64::EPSILON * (kyy + kzz) };
+                if stiffness > rounding {
+                    springs.push(Spring { row: along(a, b), stiffness });
+                }
+            }
+        }
+        springs
+    }
+
+    /// Stiffness of shaft, hubs and some of the [`Self::springs`].
+    pub fn stiffness_on<'s>(&self, springs: impl Iterator<Item = &'s Spring>) -> Sparse {
+        let mut parts = self.elastic_parts();
+        parts.nodal.extend(springs.map(|spring| Contribution {
+            coordinates: spring.row.iter().map(|(i, _)| *i).collect(),
+            matrix: Mat::from_fn(spring.row.len(), spring.row.len(), |i, j| {
+                spring.stiffness * spring.row[i].1 * spring.row[j].1
+            }),
+        }));
+        self.add_up(&parts)
+    }
+
+    /// Stiffness of the bearings, skew part included.
+    pub fn bearing_stiffness(&self) -> Sparse {
+        self.build(None, self.bearings(|b| b.stiffness))
+    }
+
+    /// A law of every bearing between the displacements (or velocities) it feels and its forces, as a matrix.
+    pub fn bearing_matrix(&self, law: impl Fn(&crate::model::Bearing) -> [[f64; 2]; 2]) -> Sparse {
+        self.build(None, self.bearings(law))
+    }
+
+    /// Stiffness of shaft and hubs about the undeformed state, without bearings.
+    pub fn elastic_parts(&self) -> Parts {
+        self.parts(
+            Some(&|_, m| m.stiffness.clone()),
+            attachments::Hubs::new(self.model, &self.numbering).stiffness(),
+        )
+    }
+
+    /// Stiffness and damping of the bearings averaged over the directions, as a turning section feels them in the mean.
+    pub fn mean_bearings(&self) -> [Parts; 2] {
+        [self.bearings(|b| mean(b.stiffness)), self.bearings(|b| mean(b.damping))]
+            .map(|nodal| Parts { elements: Vec::new(), nodal })
+    }
+
+    /// `alpha M` of the shaft.
+    pub fn external_damping(&self) -> Sparse {
+        self.add_up(&self.external_parts())
+    }
+
+    /// Parts of [`Self::external_damping`]; none when no material has such damping.
+    pub fn external_parts(&self) -> Parts {
+        let shaft = |material: &Material, m: &ElementMatrices| &m.mass * faer::Scale(material.mass_damping);
+        let damped = self.model.materials.iter().any(|m| m.mass_damping != 0.0);
+        self.parts(damped.then_some(&shaft), Vec::new())
+    }
+
+    /// Skew part of the bearings' stiffness (cross-coupling).
+    pub fn cross_coupling(&self) -> Sparse {
+        let nodal = self.bearings(|b| {
+            let half = (b.stiffness[0][1] - b.stiffness[1][0]) / 2.0;
+            [[0.0, half], [-half, 0.0]]
+        });
+        self.build(None, nodal)
+    }
+
+    /// Gyroscopic matrix per unit spin speed.
+    pub fn gyroscopic(&self, whose: Gyroscopic) -> Sparse {
+        let disks = match whose {
+            Gyroscopic::None => Vec::new(),
+            _ => attachments::disk_gyroscopic(self.model, &self.numbering),
+        };
+        let shaft: ElementMatrix<'_> = &|_, m| m.gyroscopic.clone();
+        self.build((whose == Gyroscopic::All).then_some(shaft), disks)
+    }
+
+    /// `W = M J`, skew: a mode `u exp(i w t)` has the mean angular momentum `w/2 Im(u^H W u)` about x.
+    pub fn angular_momentum(&self) -> Sparse {
+        self.add_up(&self.mass_parts().times_cross())
+    }
+
+    /// `M J^2`, the centrifugal matrix per unit spin speed squared of the rotating frame: `-M` on y and z.
+    pub fn centrifugal(&self) -> Sparse {
+        self.add_up(&self.mass_parts().times_cross().times_cross())
+    }
+
+    /// Spin-softening matrix per unit spin speed squared.
+    pub fn spin_softening(&self) -> Sparse {
+        let disks = attachments::disk_softening(self.model, &self.numbering);
+        self.build(Some(&|_, m| m.spin_softening.clone()), disks)
+    }
+
+    /// Damping matrix at rest: bearings, `beta K` and `alpha M` of the materials.
+    pub fn damping(&self) -> Sparse {
+        self.build(self.has_material_damping().then_some(&material_damping), self.bearings(|b| b.damping))
+    }
+
+    /// What spin adds to the material damping forces, per unit spin speed, on displacements:
+    /// `beta K (D_theta - J) + alpha G / 2` (stationary frame; docs/theory.md section 6).
+    pub fn circulatory(&self) -> Sparse {
+        let material = |material: &Material, m: &ElementMatrices| {
+            let convected = &m.stiffness * convection(m.stiffness.nrows(), self.basis_of(m));
+            convected * faer::Scale(material.stiffness_damping)
+                + &m.gyroscopic * faer::Scale(material.mass_damping / 2.0)
+        };
+        self.build(self.has_material_damping().then_some(&material), Vec::new())
+    }
+
+    /// `beta K` of the materials, the part of [`Self::damping`] that strain rates feel.
+    pub fn strain_damping(&self) -> Sparse {
+        let strain =
+            |material: &Material, m: &ElementMatrices| &m.stiffness * faer::Scale(material.stiffness_damping);
+        self.build(self.has_viscosity().then_some(&strain), Vec::new())
+    }
+
+    /// `beta K (D_theta - J)`, the same part of [`Self::circulatory`].
+    pub fn strain_circulatory(&self) -> Sparse {
+        let strain = |material: &Material, m: &ElementMatrices| {
+            &m.stiffness
+                * convection(m.stiffness.nrows(), self.basis_of(m))
+                * faer::Scale(material.stiffness_damping)
+        };
+        self.build(self.has_viscosity().then_some(&strain), Vec::new())
+    }
+
+    fn has_viscosity(&self) -> bool {
+        self.model.materials.iter().any(|m| m.stiffness_damping != 0.0)
+    }
+
+    /// What spin adds to the damping forces in the rotating frame, per unit spin speed, on displacements:
+    /// `alpha M J + C_b J`, external and bearing damping being felt by inertial velocities.
+    pub fn rotating_damping(&self) -> Sparse {
+        let material = |material: &Material, m: &ElementMatrices| {
+            times_cross(&m.mass) * faer::Scale(material.mass_damping)
+        };
+        let external = self.model.materials.iter().any(|m| m.mass_damping != 0.0);
+        let bearings = self.bearings(|b| b.damping.map(|[y, z]| [z, -y]));
+        self.build(external.then_some(&material), bearings)
+    }
+
+    /// True when a material of the shaft has damping.
+    pub fn has_material_damping(&self) -> bool {
+        self.model.materials.iter().any(|m| m.stiffness_damping != 0.0 || m.mass_damping != 0.0)
+    }
+
+    fn basis_of(&self, matrices: &ElementMatrices) -> SectionBasis {
+        let of = |e: usize| std::ptr::eq(self.element_matrices(e), matrices);
+        (0..self.model.elements.len())
+            .find(|&e| of(e))
+            .map_or(SectionBasis::Monomials(1), |e| self.model.elements[e].kind.basis)
+    }
+
+    fn bearings(&self, law: impl Fn(&crate::model::Bearing) -> [[f64; 2]; 2]) -> Vec<Contribution> {
+        attachments::bearing_contributions(self.model, &self.numbering, law)
+    }
+
+    /// A row over all coordinates as a column vector in the free ones, `T^T row`.
+    pub fn force(&self, row: &[(usize, f64)]) -> Vec<f64> {
+        let mut force = vec![0.0; self.size()];
+        for &(i, value) in row {
+            for &(j, c) in &self.expansion[i] {
+                force[j] += c * value;
+            }
+        }
+        force
+    }
+
+    /// Sums element and nodal contributions, `T^T A T`.
+    fn build(&self, shaft: Option<ElementMatrix<'_>>, nodal: Vec<Contribution>) -> Sparse {
+        self.add_up(&self.parts(shaft, nodal))
+    }
+
+    /// The matrix of every distinct element, and contributions of nodes.
+    fn parts(&self, shaft: Option<ElementMatrix<'_>>, nodal: Vec<Contribution>) -> Parts {
+        let Some(shaft) = shaft else { return Parts { elements: Vec::new(), nodal } };
+        let matrix = |(kind, m)| shaft(self.material_of(kind), m);
+        Parts { elements: self.distinct.iter().enumerate().map(matrix).collect(), nodal }
+    }
+
+    fn add_up(&self, parts: &Parts) -> Sparse {
+        let coordinates: Vec<_> = self.model.elements.iter().map(|e| self.element_coordinates(e)).collect();
+        let kinds = coordinates.iter().zip(&self.element_type);
+        let elements = kinds.filter_map(|(c, &kind)| parts.elements.get(kind).map(|m| (c, m)));
+        let nodal = parts.nodal.iter().map(|n| (&n.coordinates, &n.matrix));
+        self.accumulate(&elements.chain(nodal).collect::<Vec<_>>())
+    }
+
+    /// Material of a distinct element.
+    fn material_of(&self, kind: usize) -> &Material {
+        let first = self.element_type.iter().position(|&k| k == kind).unwrap_or(0);
+        &self.model.materials[self.model.elements[first].material]
+    }
+
+    /// Kelvin-Voigt factor beta of every distinct element, s.
+    pub fn viscosities(&self) -> Vec<f64> {
+        (0..self.distinct.len()).map(|kind| self.material_of(kind).stiffness_damping).collect()
+    }
+
+    /// Where a direct solver for sums of [`Parts`] finds coordinates and constraints.
+    pub fn chain(&self) -> Layout {
+        let elements = &self.model.elements;
+        let nodes = elements.iter().map(|e| e.first_node);
+        let nodes: Vec<usize> =
+            nodes.chain(elements.last().map(|e| e.first_node + e.kind.axial_degree)).collect();
+        let links = elements.iter().map(|e| {
+            let coordinates = self.element_coordinates(e);
+            let n = 3 * e.kind.n_vectors();
+            let (left, right) = (&coordinates[..n], &coordinates[coordinates.len() - n..]);
+            let local = |list: &[usize], node: usize| {
+                let start = self.numbering.index(node, 0, 0);
+                list.iter().map(|i| i - start).collect::<Vec<_>>()
+            };
+            let last = e.first_node + e.kind.axial_degree;
+            Link {
+                ends: [local(left, e.first_node), local(right, last)],
+                interior: self.numbering.of_node(e.first_node + 1).start..self.numbering.of_node(last).start,
+            }
+        });
+        let constraint = |&node: &usize| {
+            let range = self.numbering.of_node(node);
+            let rows = &self.expansion[range.clone()];
+            let columns = rows.iter().flatten().map(|(j, _)| *j);
+            let first = columns.clone().min().unwrap_or(0);
+            let count = columns.max().map_or(0, |last| last + 1 - first);
+            let mut t = Mat::zeros(range.len(), count);
+            for (i, row) in rows.iter().enumerate() {
+                row.iter().for_each(|&(j, c)| t[(i, j - first)] = c);
+            }
+            (count < range.len()).then_some(t)
+        };
+        Layout {
+            ends: nodes.iter().map(|&node| self.numbering.of_node(node)).collect(),
+            constraints: nodes.iter().map(constraint).collect(),
+            links: links.collect(),
+        }
+    }
+
+    fn accumulate(&self, parts: &[(&Vec<usize>, &Mat<f64>)]) -> Sparse {
+        let n = self.size();
+        let free_of =
+            |c: &[usize]| c.iter().flat_map(|&i| self.expansion[i].iter().map(|&(j, _)| j)).collect();
+        let mut profile = vec![(usize::MAX, 0); n];
+        for (coordinates, _) in parts {
+            let columns: Vec<usize> = free_of(coordinates);
+            let Some((&low, &high)) = columns.iter().min().zip(columns.iter().max()) else { continue };
+            for j in columns {
+                profile[j] = (profile[j].0.min(low), profile[j].1.max(high + 1));
+            }
+        }
+        let mut starts = vec![0];
+        for &(low, high) in &profile {
+            starts.push(starts[starts.len() - 1] + high.saturating_sub(low));
+        }
+        let mut values = vec![0.0; starts[n]];
+        for (coordinates, matrix) in parts {
+            for (b, &column) in coordinates.iter().enumerate() {
+                for &(j, cj) in &self.expansion[column] {
+                    let start = starts[j] - profile[j].0;
+                    for (a, &row) in coordinates.iter().enumerate() {
+                        let value = matrix[(a, b)];
+                        if value != 0.0 {
+                            for &(i, ci) in &self.expansion[row] {
+                                values[start + i] += ci * value * cj;
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        let (mut column_starts, mut rows, mut kept) = (vec![0], Vec::new(), Vec::new());
+        for j in 0..n {
+            for (offset, &value) in values[starts[j]..starts[j + 1]].iter().enumerate() {
+                if value != 0.0 {
+                    rows.push(profile[j].0 + offset);
+                    kept.push(value);
+                }
+            }
+            column_starts.push(rows.len());
+        }
+        from_columns(n, column_starts, rows, kept)
+    }
+
+    /// The six rigid motions (translations x, y, z; rotations about x, y, z through the left end) in
+    /// all coordinates: displacement in m for a unit translation, and for a rotation of one over the length.
+    fn all_rigid_motions(&self) -> [Vec<f64>; 6] {
+        let (r, l) = (self.model.reference_length, self.model.length);
+        std::array::from_fn(|motion| {
+            let mut q = vec![0.0; self.numbering.len()];
+            for (node, at) in self.model.nodes.iter().enumerate() {
+                let mut set = |vector: usize, component: usize, value| {
+                    self.numbering.fields(node).for_each(|first| q[first + 3 * vector + component] = value);
+                };
+                match motion {
+                    0..=2 => set(0, motion, 1.0),
+                    3 => {
+                        set(1, 2, r / l);
+                        set(2, 1, -r / l);
+                    }
+                    4 => {
+                        set(0, 2, -at.x / l);
+                        set(2, 0, r / l);
+                    }
+                    _ => {
+                        set(0, 1, at.x / l);
+                        set(1, 0, -r / l);
+                    }
+                }
+            }
+            // normals turn like the axis
+            for normal in self.numbering.all_normals() {
+                match motion {
+                    4 => q[normal + 2] = -r / l,
+                    5 => q[normal + 1] = r / l,
+                    _ => {}
+                }
+            }
+            q
+        })
+    }
+
+    /// For every free coordinate whether it changes its sign when the shaft is mirrored, y -> -y and z -> -z.
+    pub fn mirror_signs(&self) -> Vec<[bool; 2]> {
+        let mut signs = Vec::with_capacity(self.numbering.len());
+        for (i, node) in self.model.nodes.iter().enumerate() {
+            // a normal is a vector as r is
+            let normals = self.numbering.normals(i).len() / 3;
+            for [y, z] in node.odd().into_iter().chain((0..normals).map(|_| [false; 2])) {
+                signs.extend([[y, z], [!y, z], [y, !z]]);
+            }
+        }
+        self.free.iter().map(|&i| signs[i]).collect()
+    }
+
+    /// True when a node's constraints carry the centrifugal stretch of the section but do not turn with it, as
+    /// `y.y` held without `y.z` does.
+    pub fn holds_stretch_one_way(&self) -> bool {
+        let turned =
+            |row: &[f64]| -> Vec<f64> { row.chunks_exact(3).flat_map(|c| [0.0, c[2], -c[1]]).collect() };
+        (0..self.model.nodes.len()).any(|node| {
+            let odd = self.model.nodes[node].odd();
+            let stretches = |row: &[f64]| {
+                let mut vectors = odd.iter().zip(row.chunks_exact(3));
+                vectors.any(|(odd, c)| {
+                    (c[1] != 0.0 && *odd == [true, false]) || (c[2] != 0.0 && *odd == [false, true])
+                })
+            };
+            let rows: Vec<Vec<f64>> =
+                self.constraints.iter().filter(|(n, _)| *n == node).map(|(_, row)| row.clone()).collect();
+            let mut more = rows.clone();
+            more.extend(rows.iter().filter(|row| stretches(row)).map(|row| turned(row)));
+            more.len() > rows.len() && reduce(more).len() > reduce(rows).len()
+        })
+    }
+
+    /// What the rotations of rigid motions (in free coordinates, in columns) make of a displacement z: their turn, which any
+    /// section tells, times the displacement.
+    pub fn turned_by(&self, motions: &Mat<f64>, z: &[f64]) -> Mat<f64> {
+        let q = self.expand(z);
+        let r = self.model.reference_length;
+        let columns: Vec<Vec<f64>> = motions
+            .col_iter()
+            .map(|motion| {
+                let motion = self.expand(&motion.iter().copied().collect::<Vec<_>>());
+                let at =
+                    |vector: usize, component: usize| motion[self.numbering.index(0, vector, component)] / r;
+                let (x, y, z) = (at(1, 2), at(2, 0), -at(1, 0));
+                let turned = q
+                    .chunks_exact(3)
+                    .flat_map(|u| [y * u[2] - z * u[1], z * u[0] - x * u[2], x * u[1] - y * u[0]]);
+                self.restrict(&turned.collect::<Vec<_>>())
+            })
+            .collect();
+        Mat::from_fn(self.size(), columns.len(), |i, j| columns[j][i])
+    }
+
+    /// Rigid motions that no constraint and no bearing stiffness resists: their names, and the free
+    /// coordinates in columns.
+    pub fn rigid_motions(&self) -> (Vec<String>, Mat<f64>) {
+        let (springs, coupled) = (self.springs(), self.coupled_rows());
+        self.rigid_motions_on(&springs.iter().map(|s| &s.row).chain(&coupled).collect::<Vec<_>>())
+    }
+
+    /// Displacements that cross-coupling acts between, as rows over coordinates before constraints.
+    fn coupled_rows(&self) -> Vec<Vec<(usize, f64)>> {
+        let coupled = self.model.bearings.iter().filter(|b| b.stiffness[0][1] != b.stiffness[1][0]);
+        coupled.flat_map(|b| attachments::bearing_rows(self.model, &self.numbering, b)).collect()
+    }
+
+    /// Rigid motions that no constraint resists and for which none of the displacements `held` (rows over coordinates
+    /// before constraints) is above zero.
+    pub fn rigid_motions_on(&self, held: &[&Vec<(usize, f64)>]) -> (Vec<String>, Mat<f64>) {
+        let motions = self.all_rigid_motions();
+        let null = self.rigid_combinations(held);
+        let names = null.iter().map(motion_name).collect();
+        let columns: Vec<Vec<f64>> = null
+            .iter()
+            .map(|c| {
+                let q: Vec<f64> =
+                    (0..self.numbering.len()).map(|i| (0..6).map(|m| c[m] * motions[m][i]).sum()).collect();
+                self.restrict(&q)
+            })
+            .collect();
+        (names, Mat::from_fn(self.size(), columns.len(), |i, j| columns[j][i]))
+    }
+
+    /// The same as combinations of the six rigid motions.
+    fn rigid_combinations(&self, held: &[&Vec<(usize, f64)>]) -> Vec<[f64; 6]> {
+        let motions = self.all_rigid_motions();
+        let mut rows: Vec<[f64; 6]> = Vec::new();
+        for (node, row) in &self.constraints {
+            let at = self.numbering.of_node(*node);
+            rows.push(std::array::from_fn(|m| {
+                row.iter().zip(&motions[m][at.clone()]).map(|(a, b)| a * b).sum()
+            }));
+        }
+        let felt = |row: &[(usize, f64)], m: usize| row.iter().map(|&(i, w)| w * motions[m][i]).sum::<f64>();
+        rows.extend(held.iter().map(|row| std::array::from_fn(|m| felt(row, m))));
+        null_space(&rows)
+    }
+}
+
+/// `A J` for coordinates in triples, `J u = e_x x u`.
+fn times_cross(a: &Mat<f64>) -> Mat<f64> {
+    Mat::from_fn(a.nrows(), a.ncols(), |i, j| match j % 3 {
+        1 => a[(i, j + 1)],
+        2 => -a[(i, j - 1)],
+        _ => 0.0,
+    })
+}
+
+/// `beta K + alpha M` of an element.
+fn material_damping(material: &Material, m: &ElementMatrices) -> Mat<f64> {
+    &m.stiffness * faer::Scale(material.stiffness_damping) + &m.mass * faer::Scale(material.mass_damping)
+}
+
+/// The same law in both directions, with the mean of the diagonal.
+fn mean(law: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    let mean = (law[0][0] + law[1][1]) / 2.0;
+    [[mean, 0.0], [0.0, mean]]
+}
+
+fn symmetric_part(k: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    let off = (k[0][1] + k[1][0]) / 2.0;
+    [[k[0][0], off], [off, k[1][1]]]
+}
+
+/// `D_theta - J` on element coordinates: what spin adds to the rate of strain, per unit speed.
+fn convection(size: usize, basis: SectionBasis) -> Mat<f64> {
+    let turn = rotation_matrix(basis);
+    let n_vectors = turn.nrows();
+    Mat::from_fn(size, size, |i, j| {
+        let (vi, vj) = (i / 3, j / 3);
+        if vi / n_vectors != vj / n_vectors {
+            return 0.0;
+        }
+        let (k, l, c, d) = (vi % n_vectors, vj % n_vectors, i % 3, j % 3);
+        let moved = if c == d { turn[(k, l)] } else { 0.0 };
+        let turned = if k != l {
+            0.0
+        } else {
+            match (c, d) {
+                (1, 2) => -1.0,
+                (2, 1) => 1.0,
+                _ => 0.0,
+            }
+        };
+        moved - turned
+    })
+}
+
+type Elimination = (Vec<Vec<(usize, f64)>>, Vec<usize>, Vec<(usize, Vec<f64>)>);
+
+/// Eliminates the constraints of each node by Gauss-Jordan with full pivoting; dependent rows drop out.
+/// Returns T by rows, the free coordinates, and the constraint rows for later use.
+fn eliminate(model: &Model, numbering: &Numbering, supports: bool) -> Elimination {
+    let mut expansion = vec![Vec::new(); numbering.len()];
+    let (mut free, mut constraints) = (Vec::new(), Vec::new());
+    for node in 0..model.nodes.len() {
+        let rows = if supports { attachments::constraint_rows(model, node) } else { Vec::new() };
+        let start = numbering.index(node, 0, 0);
+        let size = 3 * model.nodes[node].n_vectors();
+        let reduced = reduce(rows.clone());
+        constraints.extend(rows.into_iter().map(|row| (node, row)));
+        let is_pivot = |i: usize| reduced.iter().any(|(pivot, _)| *pivot == i);
+        let first_free = free.len();
+        free.extend((0..size).filter(|&i| !is_pivot(i)).map(|i| start + i));
+        for (offset, &i) in free[first_free..].iter().enumerate() {
+            expansion[i] = vec![(first_free + offset, 1.0)];
+        }
+        for (pivot, row) in &reduced {
+            expansion[start + pivot] = free[first_free..]
+                .iter()
+                .enumerate()
+                .filter(|(_, i)| row[**i - start] != 0.0)
+                .map(|(offset, i)| (first_free + offset, -row[i - start]))
+                .collect();
+        }
+        follow(model, node, start, &mut expansion);
+        for normal in numbering.normals(node) {
+            expansion[normal] = vec![(free.len(), 1.0)];
+            free.push(normal);
+        }
+    }
+    (expansion, free, constraints)
+}
+
+/// Expands the vectors that follow a node's own at a joint, `q_k = sum_l P_kl own_l`.
+fn follow(model: &Model, node: usize, start: usize, expansion: &mut [Vec<(usize, f64)>]) {
+    let Node { field, follower: Some(follower), .. } = model.nodes[node] else { return };
+    let Some(shared) = attachments::section_at(model, node) else { return };
+    let p = attachments::functions(model, follower).following(&attachments::functions(model, field), &shared);
+    for k in 0..p.nrows() {
+        for c in 0..3 {
+            let mut row: Vec<(usize, f64)> = Vec::new();
+            for l in (0..p.ncols()).filter(|&l| p[(k, l)] != 0.0) {
+                for &(j, value) in &expansion[start + 3 * l + c] {
+                    match row.iter_mut().find(|(i, _)| *i == j) {
+                        Some(entry) => entry.1 += p[(k, l)] * value,
+                        None => row.push((j, p[(k, l)] * value)),
+                    }
+                }
+            }
+            expansion[start + 3 * (p.ncols() + k) + c] = row;
+        }
+    }
+}
+
+/// Reduced row echelon form: `(pivot column, row with 1 at the pivot and 0 at the other pivots)`.
+fn reduce(mut rows: Vec<Vec<f64>>) -> Vec<(usize, Vec<f64>)> {
+    for row in &mut rows {
+        let largest = row.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        row.iter_mut().for_each(|v| *v /= if largest > 0.0 { largest } else { 1.0 });
+    }
+    let mut done: Vec<(usize, Vec<f64>)> = Vec::new();
+    while !rows.is_empty() {
+        let mut best = (0, 0, 0.0);
+        for (r, row) in rows.iter().enumerate() {
+            for (c, v) in row.iter().enumerate() {
+                // among equals the first, whatever rounding says
+                if v.abs() > best.2 * (1.0 + ROUNDING) {
+                    best = (r, c, v.abs());
+                }
+            }
+        }
+        let (r, pivot, size) = best;
+        if size < ROUNDING {
+            break;
+        }
+        let mut row = rows.swap_remove(r);
+        let scale = row[pivot];
+        row.iter_mut().for_each(|v| *v /= scale);
+        for other in rows.iter_mut().chain(done.iter_mut().map(|d| &mut d.1)) {
+            let factor = other[pivot];
+            if factor != 0.0 {
+                other.iter_mut().zip(&row).for_each(|(a, b)| *a -= factor * b);
+                other[pivot] = 0.0;
+            }
+        }
+        done.push((pivot, row));
+    }
+    done
+}
+
+/// Combinations of six motions that every row leaves at zero, as simple as possible.
+fn null_space(rows: &[[f64; 6]]) -> Vec<[f64; 6]> {
+    let scaled: Vec<f64> = rows
+        .iter()
+        .filter_map(|row| {
+            let norm = row.iter().map(|v| v * v).sum::<f64>().sqrt();
+            (norm > ROUNDING * ROUNDING).then(|| row.map(|v| v / norm))
+        })
+        .flatten()
+        .collect();
+    let matrix = DMatrix::from_row_slice(scaled.len() / 6, 6, &scaled);
+    // The Gram matrix would square the conditioning; the row echelon form of a QR's R does not.
+    let r = matrix.qr().unpack_r();
+    let rows = (0..r.nrows()).map(|i| r.row(i).iter().copied().collect()).collect();
+    let reduced = reduce(rows);
+    (0..6)
+        .filter(|i| !reduced.iter().any(|(pivot, _)| pivot == i))
+        .map(|i| {
+            let mut motion = [0.0; 6];
+            motion[i] = 1.0;
+            for (pivot, row) in &reduced {
+                motion[*pivot] = -row[i];
+            }
+            motion
+        })
+        .collect()
+}
+
+fn motion_name(motion: &[f64; 6]) -> String {
+    const NAMES: [&str; 6] = [
+        "translation along x",
+        "translation along y",
+        "translation along z",
+        "rotation about x",
+        "rotation about y",
+        "rotation about z",
+    ];
+    let parts: Vec<&str> =
+        NAMES.iter().zip(motion).filter(|(_, c)| c.abs() > ROUNDING).map(|(name, _)| *name).collect();
+    parts.join(" with ")
+}

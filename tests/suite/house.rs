@@ -1,0 +1,101 @@
+//! The order of the modules: data flows one way, and each file uses only what stands before it.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// The modules in the order in which data flows through them.
+const ORDER: [&str; 20] = [
+    "error",
+    "units",
+    "instructions",
+    "section",
+    "results",
+    "case",
+    "linalg",
+    "model",
+    "element",
+    "shaft",
+    "integrate",
+    "scene",
+    "accuracy",
+    "analysis",
+    "plot",
+    "report",
+    "run",
+    "validate",
+    "study",
+    "cli",
+];
+
+/// The sources under a folder, with the path of their module.
+fn sources(folder: &Path, module: &str, list: &mut Vec<(String, PathBuf)>) {
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let name = path.file_stem().and_then(|n| n.to_str()).expect("a name").to_owned();
+        let inside = if module.is_empty() { name.clone() } else { format!("{module}::{name}") };
+        if path.is_dir() {
+            sources(&path, &inside, list);
+        } else if path.extension().is_some_and(|e| e == "rs") && !["lib", "main"].contains(&name.as_str()) {
+            list.push((if name == "mod" { module.to_owned() } else { inside }, path));
+        }
+    }
+}
+
+/// Paths that a source takes from the crate, tests left aside.
+fn imports(path: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(path).expect("a source");
+    let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+    let lines = code.lines().filter(|l| !l.trim_start().starts_with("//"));
+    let code = lines.collect::<Vec<_>>().join("\n");
+    let ends = |c: char| !(c.is_alphanumeric() || c == '_' || c == ':');
+    code.split("crate::").skip(1).map(|rest| rest.split(ends).next().unwrap_or_default().to_owned()).collect()
+}
+
+#[test]
+fn every_file_uses_only_what_stands_before_it() {
+    let mut list = Vec::new();
+    sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), "", &mut list);
+    let place = |module: &str| ORDER.iter().position(|m| *m == module);
+    let mut found = BTreeSet::new();
+    for (module, path) in &list {
+        let own = module.split("::").next().expect("a module");
+        found.insert(own.to_owned());
+        let at = place(own).unwrap_or_else(|| panic!("{own} has no place in the order"));
+        for import in imports(path) {
+            let other = import.split("::").next().expect("a module");
+            if let Some(before) = place(other) {
+                assert!(before <= at, "{} uses {import}, which stands after {own}", path.display());
+            }
+        }
+    }
+    assert_eq!(found, ORDER.iter().map(|m| (*m).to_owned()).collect());
+}
+
+/// Within a module, its parts use one another in one direction.
+#[test]
+fn parts_of_a_module_stand_in_an_order() {
+    let mut list = Vec::new();
+    sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), "", &mut list);
+    let part = |path: &str| -> Option<[String; 2]> {
+        let mut names = path.split("::").map(str::to_owned);
+        Some([names.next()?, names.next()?])
+    };
+    let known: BTreeSet<[String; 2]> = list.iter().filter_map(|(module, _)| part(module)).collect();
+    let mut uses: BTreeMap<[String; 2], BTreeSet<[String; 2]>> = BTreeMap::new();
+    for (module, path) in &list {
+        let Some(own) = part(module) else { continue };
+        for other in imports(path).iter().filter_map(|import| part(import)) {
+            if other != own && other[0] == own[0] && known.contains(&other) {
+                uses.entry(own.clone()).or_default().insert(other);
+            }
+        }
+    }
+    // takes away, one after the other, what uses nothing that is left
+    let mut left = known;
+    while !left.is_empty() {
+        let free = |m: &&[String; 2]| uses.get(*m).is_none_or(|others| others.is_disjoint(&left));
+        let ready: Vec<[String; 2]> = left.iter().filter(free).cloned().collect();
+        assert!(!ready.is_empty(), "in a circle: {left:?}");
+        left.retain(|m| !ready.contains(m));
+    }
+}
