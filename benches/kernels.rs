@@ -4,7 +4,7 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use rotor::element::kernel::simd::Scratch;
 use rotor::element::polynomial::NonlinearElement;
-use rotor::element::ring::forces::RingElement;
+use rotor::element::ring::RingElement;
 use rotor::instructions::Instructions;
 use rotor::model::{ElementKind, Law, Material, Quadrature};
 use rotor::section::Section;

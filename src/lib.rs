@@ -9,7 +9,8 @@
 //! | [`results`] | what analyses return: plain data |
 //! | [`case`] | the case file as written |
 //! | [`linalg`] | sparse and dense solvers |
-//! | [`model`] | the checked model |
+//! | [`model`] | the checked model: what a case means |
+//! | [`check`] | from a case to a model: every rule, with its remedy |
 //! | [`element`] | forces, tangents and mass of the elements |
 //! | [`shaft`] | a shaft with what is attached to it, its loads, drive and equations of motion |
 //! | [`integrate`] | integration in time |
@@ -37,6 +38,7 @@
 pub mod accuracy;
 pub mod analysis;
 pub mod case;
+pub mod check;
 pub mod cli;
 pub mod element;
 pub mod error;

@@ -3,9 +3,9 @@
 
 use crate::analysis::{self, Outcome};
 use crate::case::LoadedCase;
+use crate::check::memory::memory;
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::model::memory::memory;
 use crate::model::scene::Scene;
 use crate::plot;
 use crate::report::{printable, table};

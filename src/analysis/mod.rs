@@ -7,6 +7,7 @@ pub mod check;
 pub mod contact;
 pub mod equilibrium;
 pub mod joint;
+pub mod mass_properties;
 pub mod matrices;
 pub mod modes;
 pub mod plausibility;
@@ -78,7 +79,7 @@ fn summary(model: &Model, degrees_of_freedom: usize, mass_kg: f64) -> ModelSumma
 
 /// What every nonlinear analysis models and leaves out.
 fn nonlinear_summary(model: &Model, degrees_of_freedom: usize) -> ModelSummary {
-    let mut summary = summary(model, degrees_of_freedom, check::properties(model).mass());
+    let mut summary = summary(model, degrees_of_freedom, mass_properties::properties(model).mass());
     summary.modelled[0] = "finite displacements, St. Venant-Kirchhoff material".to_owned();
     summary.modelled.push(format!("internal forces integrated: {}", quadrature_name(model)));
     summary.left_out.retain(|text| !text.starts_with("gravity") && !text.starts_with("loads"));

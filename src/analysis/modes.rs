@@ -76,7 +76,7 @@ pub fn modes(model: &Model) -> Result<Outcome<Modes>> {
             format!("{} modes were asked for; the model has only {}", model.modes, list.len()),
         ));
     }
-    let mass = crate::analysis::check::properties(model).mass();
+    let mass = crate::analysis::mass_properties::properties(model).mass();
     let mut model_summary = summary(model, assembly.size(), mass);
     model_summary.left_out.push("spin: modes of the shaft at rest (no gyroscopic matrix built)".to_owned());
     if assembly.has_material_damping()

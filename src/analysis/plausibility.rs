@@ -1,6 +1,6 @@
 //! Values that no machine has, with the unit that was probably meant.
 
-use crate::analysis::check::properties;
+use crate::analysis::mass_properties::properties;
 use crate::model::Model;
 use crate::results::Diagnostic;
 

@@ -2,9 +2,9 @@
 //!
 //! Position field: `r(x,y,z) = sum_i L_i(xi) sum_(a+b<=n) eta^a zeta^b / (a! b!) q_i,(ab)` with
 //! `eta = y/R`, `zeta = z/R` and `q = R^(a+b) r_,(y^a z^b)`; xi in [-1, 1] along the element.
-//! Integrals of monomials are closed forms; functions of rings are in [`crate::element::ring`]. Source: docs/theory.md sections 1 and 2.
+//! Integrals of monomials are closed forms; functions of rings are in [`crate::element::ring_functions`]. Source: docs/theory.md sections 1 and 2.
 
-use crate::element::ring;
+use crate::element::ring_functions;
 use crate::section::Section;
 use crate::section::basis::SectionBasis;
 pub use crate::section::basis::{exponents, vector_name};
@@ -107,7 +107,7 @@ impl SectionProducts {
             SectionBasis::Monomials(order) => Self::of_monomials(order, section, reference_length),
             SectionBasis::Ring { degree, harmonics } => {
                 let (gradients, rotation, rotation_rotation) =
-                    ring::products(degree, harmonics, section, reference_length);
+                    ring_functions::products(degree, harmonics, section, reference_length);
                 Self { gradients, rotation, rotation_rotation, area: section.area(), reference_length }
             }
         }
@@ -218,7 +218,9 @@ fn turn((a, b): (usize, usize)) -> Polynomial {
 pub fn rotation_matrix(basis: SectionBasis) -> Mat<f64> {
     let order = match basis {
         SectionBasis::Monomials(order) => order,
-        SectionBasis::Ring { degree, harmonics } => return ring::rotation_matrix(degree, harmonics),
+        SectionBasis::Ring { degree, harmonics } => {
+            return ring_functions::rotation_matrix(degree, harmonics);
+        }
     };
     let list = exponents(order);
     let mut matrix = Mat::zeros(list.len(), list.len());

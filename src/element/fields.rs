@@ -4,7 +4,7 @@
 //! Source: docs/theory.md sections 1 and 10.
 
 use crate::element::boundary_curve::LinePoint;
-use crate::element::ring::{Ring, rule};
+use crate::element::ring_functions::{Ring, rule};
 use crate::section::Section;
 use crate::section::basis::{RingFunction, SectionBasis, exponents, ring_functions};
 use faer::Mat;

@@ -15,6 +15,7 @@ pub mod planar_2322s;
 pub mod polynomial;
 pub mod quadrature;
 pub mod ring;
+pub mod ring_functions;
 pub mod structural_3333s;
 
 use crate::model::{ElementKind, Law, Material};

@@ -1,10 +1,6 @@
 //! The checked model: what a case file means, free of units, names and optional keys.
 //! Every number is finite, SI, and in its allowed range; every position is a node.
 
-mod build;
-pub mod choice;
-pub mod memory;
-mod mesh;
 pub mod scene;
 
 use crate::instructions::Instructions;

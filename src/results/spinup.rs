@@ -1,6 +1,6 @@
 //! Results of the nonlinear analyses: states at points, static equilibrium, spin-up.
 
-use super::RubContact;
+use crate::results::RubContact;
 use crate::results::{SectionForces, SupportForces};
 use serde::Serialize;
 use std::collections::BTreeMap;

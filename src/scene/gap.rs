@@ -70,6 +70,25 @@ pub struct Gap {
     pub free: Free,
 }
 
+/// A point against a boundary.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// Curve of the nearest point.
+    pub face: usize,
+    /// Its parameter.
+    pub zeta: f64,
+    /// Whether the nearest point slides along the curve; on a kink it does not.
+    pub slides: bool,
+    /// Gap, m.
+    pub gap: f64,
+    /// Outward normal.
+    pub normal: Vector3<f64>,
+    /// What the distance is multiplied by.
+    pub scale: f64,
+    /// True when the point lies outside and nearest to a corner: no contact can act.
+    pub at_corner: bool,
+}
+
 /// A symmetric matrix between some coordinates.
 #[derive(Debug, Clone)]
 pub struct Block {

@@ -2,8 +2,8 @@
 //! gradient between two states. Source: docs/theory.md section 13.
 
 use crate::linalg::lu::Entries;
+use crate::scene::gap::Hit;
 use crate::scene::gap::{Gap, along, product};
-use crate::scene::planar::boundary::Hit;
 use nalgebra::{DMatrix, Vector3};
 use std::collections::BTreeMap;
 

@@ -6,7 +6,7 @@
 
 use crate::element::kernel::simd::Scratch;
 use crate::element::polynomial::NonlinearElement;
-use crate::element::ring::forces::RingElement;
+use crate::element::ring::RingElement;
 use crate::element::structural_3333s::{AXIAL_POINTS, StructuralElement};
 use crate::error::{Error, Result};
 use crate::linalg::sparse::Sparse;

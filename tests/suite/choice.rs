@@ -5,8 +5,8 @@ use rotor::accuracy::locking_and_rounding::{bending_excess, torsion_excess};
 use rotor::accuracy::radial_growth::{basis_error, closed_form};
 use rotor::analysis::spinup::spinup;
 use rotor::case::LoadedCase;
+use rotor::check::element_choice::{Demands, choose};
 use rotor::model::Material;
-use rotor::model::choice::{Demands, choose};
 use rotor::section::Section;
 use serde_json::{Value, json};
 

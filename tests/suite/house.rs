@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The modules in the order in which data flows through them.
-const ORDER: [&str; 20] = [
+const ORDER: [&str; 21] = [
     "error",
     "units",
     "instructions",
@@ -13,6 +13,7 @@ const ORDER: [&str; 20] = [
     "case",
     "linalg",
     "model",
+    "check",
     "element",
     "shaft",
     "integrate",

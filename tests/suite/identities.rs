@@ -3,7 +3,7 @@
 use crate::common::{model, shaft, with};
 use faer::Mat;
 use proptest::prelude::*;
-use rotor::analysis::check::properties;
+use rotor::analysis::mass_properties::properties;
 use rotor::analysis::matrices::matrices;
 use rotor::element::ElementMatrices;
 use rotor::model::{ElementKind, Law, Material};

@@ -3,8 +3,8 @@
 use crate::cli::{read, rotor, text, workplace};
 use crate::common::case;
 use rotor::case::LoadedCase;
+use rotor::check::memory::memory;
 use rotor::model::Model;
-use rotor::model::memory::memory;
 use serde_json::{Value, json};
 use std::path::Path;
 

@@ -10,7 +10,7 @@ use rotor::case::LoadedCase;
 use rotor::element::ElementMatrices;
 use rotor::element::basis::{SectionProducts, rotation_matrix};
 use rotor::element::kernel::simd::Scratch;
-use rotor::element::ring::forces::RingElement;
+use rotor::element::ring::RingElement;
 use rotor::model::{ElementKind, Law, Material, Quadrature};
 use rotor::results::{Mode, ModeKind};
 use rotor::section::Section;

@@ -114,7 +114,7 @@ pub fn campbell(
     offset_remark(model, settings, &mut diagnostics);
     speed_remarks(model, highest, &unstable_ranges, &mut diagnostics);
 
-    let mass = crate::analysis::check::properties(model).mass();
+    let mass = crate::analysis::mass_properties::properties(model).mass();
     let mut model_summary = summary(model, assembly.size(), mass);
     describe_model(model, settings, &operators, &mut model_summary);
     let reported: Vec<Branch> =

@@ -1,231 +1,422 @@
-//! Functions of a ring section: Legendre polynomials across the wall times harmonics around it.
+//! Internal force and tangent of the ring members 34Rdh, without points across the wall.
 //!
-//! A tube, or a hollow ellipse with a similar bore, is the image of the ring `k <= rho <= 1` under
-//! `y = c_y rho cos(theta)`, `z = c_z rho sin(theta)`. With the wall coordinate `s = (2 rho - 1 - k) / (1 - k)` its
-//! functions are `P_a(s) cos(m theta)` and `P_a(s) sin(m theta)`. Integrands of constant matrices are polynomials in
-//! rho and 1/rho times harmonics: equal angles are exact, and as many Gauss points go across the wall as rounding
-//! resolves. Source: docs/theory.md section 10.
+//! At an axial station the three columns of the deformation gradient are polynomials in the wall coordinate s times
+//! waves around the section, over powers of rho:
+//!
+//! ```text
+//!     F_a = rho^-n_a sum_e s^e sum_t F_a[e,t] wave_t(theta),    n_x = 0
+//! ```
+//!
+//! For a circle the other directions are rho (n = 0) and theta (n = 1), for an ellipse y and z (n = 1 both): orthonormal
+//! in any case, so the isotropic law is the same at every angle. Angles are points, equal ones are exact, theta and
+//! -theta are evaluated together; across the wall strains are polynomials, and the moments
+//! `H_n[g] = int s^g rho^(1-n) drho` give those of stress, `T_ab[g] = int s^g rho^-n_ab S_ab rho drho`, and of the
+//! moduli. Source: derived in docs/theory.md section 10.
 
-pub mod forces;
+mod force;
+mod tangent;
 
-use crate::element::quadrature::gauss;
-use crate::section::basis::{RingFunction, ring_functions};
-use crate::section::{Section, Shape};
-use faer::Mat;
+use crate::element::continuum::lame;
+use crate::element::kernel::pair_stiffness::{PAIRS, place};
+use crate::element::kernel::simd::Scratch;
+use crate::element::kernel::stations::Stations;
+use crate::element::ring_functions::{Ring, monomials};
+use crate::instructions::Instructions;
+use crate::model::{ElementKind, Material, Quadrature};
+use crate::section::Section;
+use crate::section::basis::{SectionBasis, ring_functions};
+use force::Force;
+use pulp::{Arch, Simd};
 use std::f64::consts::PI;
+use tangent::{Tables, Tangent};
 
-/// Share of the Cauchy-Schwarz bound below which an integral is rounding error.
-const ROUNDING: f64 = 1e-14;
+/// Share of the moments that the points across the wall may leave out.
+const ROUNDING: f64 = 1e-17;
 
-/// Shape of a ring in units of its outer semi-axes.
+/// A coefficient of F that a vector enters, with its factor.
 #[derive(Debug, Clone, Copy)]
-pub struct Ring {
-    /// Outer semi-axes `[c_y, c_z]`, m.
-    pub outer: [f64; 2],
-    /// Mean radius `(1 + k) / 2`.
-    pub mean: f64,
-    /// Half the wall, `(1 - k) / 2`.
-    pub half: f64,
+struct Role {
+    /// Power of s.
+    power: usize,
+    /// Wave: m for cos m theta, h + m for sin m theta, h the harmonics of the direction.
+    wave: usize,
+    factor: f64,
 }
 
-/// A function at a point: value, and derivatives by rho and by theta over rho.
-#[derive(Debug, Clone, Copy)]
-pub struct Polar {
-    /// f.
-    pub value: f64,
-    /// `df/drho`.
-    pub radial: f64,
-    /// `df/dtheta / rho`.
-    pub hoop: f64,
-}
-
-impl Ring {
-    /// The ring that a hollow section is; the bore of an ellipse is taken as similar to its outline.
-    pub fn new(section: &Section) -> Self {
-        let ([c, _], [i, _]) = (section.outer, section.inner);
-        Self { outer: section.outer, mean: (c + i) / (2.0 * c), half: (c - i) / (2.0 * c) }
-    }
-
-    /// Radii and weights of Gauss points across the wall: `(rho, s, weight by rho)`.
-    pub fn across(&self, points: usize) -> Vec<(f64, f64, f64)> {
-        let at = |(s, w): (f64, f64)| (self.mean + self.half * s, s, self.half * w);
-        gauss(points).into_iter().map(at).collect()
-    }
-
-    /// Gauss points across the wall that leave of a polynomial of a degree over rho a share of `error`:
-    /// with its pole on the axis the rule converges like `((1 + sqrt k) / (1 - sqrt k))^-2n`.
-    pub fn points(&self, degree: usize, error: f64) -> usize {
-        let root = (self.mean - self.half).max(0.0).sqrt();
-        let rate = ((1.0 + root).powi(2) / (2.0 * self.half)).ln();
-        (degree / 2 + 1).max((-error.ln() / (2.0 * rate) + degree as f64 / 2.0).ceil().min(1000.0) as usize)
-    }
-
-    /// Wall coordinate and angle of a point.
-    pub fn coordinates(&self, y: f64, z: f64) -> (f64, f64) {
-        let (eta, zeta) = (y / self.outer[0], z / self.outer[1]);
-        (eta.hypot(zeta), zeta.atan2(eta))
-    }
-
-    /// All functions at a point; y and z count in units of `reference_length`.
-    pub fn functions(
-        &self,
-        list: &[RingFunction],
-        reference_length: f64,
-        rho: f64,
-        theta: f64,
-    ) -> Vec<Polar> {
-        let s = (rho - self.mean) / self.half;
-        let top = list.iter().filter_map(|f| f.degree).max().unwrap_or(0);
-        let legendre = legendre(top, s);
-        list.iter()
-            .map(|f| {
-                let (radial, slope) = match f.degree {
-                    Some(a) => (legendre[a].0, legendre[a].1 / self.half),
-                    None => {
-                        let scale = self.outer[usize::from(f.sine)] / reference_length;
-                        (scale * rho, scale)
-                    }
-                };
-                let m = f.waves as f64;
-                let (sin, cos) = (m * theta).sin_cos();
-                let (wave, turn) = if f.sine { (sin, m * cos) } else { (cos, -m * sin) };
-                Polar { value: radial * wave, radial: slope * wave, hoop: radial * turn / rho }
-            })
-            .collect()
-    }
-}
-
-/// Legendre polynomials `P_0 .. P_top` and their derivatives at s.
-pub fn legendre(top: usize, s: f64) -> Vec<(f64, f64)> {
-    let mut list = vec![(1.0, 0.0), (s, 1.0)];
-    for a in 2..=top {
-        let (n, (p, _), (q, dq)) = (a as f64, list[a - 1], list[a - 2]);
-        // P_a' = P_(a-2)' + (2 a - 1) P_(a-1)
-        list.push((((2.0 * n - 1.0) * s * p - (n - 1.0) * q) / n, dq + (2.0 * n - 1.0) * p));
-    }
-    list
-}
-
-/// Coefficients of the Legendre polynomials `P_0 .. P_top` in ascending powers.
-pub fn monomials(top: usize) -> Vec<Vec<f64>> {
-    let mut list = vec![vec![1.0], vec![0.0, 1.0]];
-    for a in 2..=top {
-        let n = a as f64;
-        let at = |p: &[f64], e: usize| p.get(e).copied().unwrap_or(0.0);
-        let (p, q) = (&list[a - 1], &list[a - 2]);
-        let next = |e: usize| {
-            let higher = if e > 0 { (2.0 * n - 1.0) * p[e - 1] } else { 0.0 };
-            (higher - (n - 1.0) * at(q, e)) / n
-        };
-        list.push((0..=a).map(next).collect());
-    }
-    list
-}
-
-/// Integrals over the ring of products of the functions: `gradients[a][b] = int f_k,a f_l,b dA` with a, b in
-/// {none, y, z}, `int f_k (d_theta f_l) dA` and `int (d_theta f_k)(d_theta f_l) dA`; as in
-/// [`crate::element::basis::SectionProducts`].
-pub fn products(
-    degree: usize,
+/// One column of the deformation gradient.
+#[derive(Debug, Clone)]
+struct Direction {
+    /// Powers of s: 0 up to below.
+    count: usize,
+    /// Powers of rho it is divided by.
+    over: usize,
+    /// Harmonics.
     harmonics: usize,
-    section: &Section,
-    reference_length: f64,
-) -> ([[Mat<f64>; 3]; 3], Mat<f64>, Mat<f64>) {
-    let ring = Ring::new(section);
-    let list = ring_functions(degree, harmonics);
-    let [cy, cz] = ring.outer;
-    // two derivatives by y or z make two more harmonics
-    let angles = 2 * harmonics + 4;
-    // columns: value, by y, by z, d_theta
-    let n = list.len();
-    let mut sums = [(); 16].map(|()| vec![0.0; n * n]);
-    for (rho, _, w) in ring.across(ring.points(2 * degree + 2, 1e-17)) {
-        for j in 0..angles {
-            let theta = 2.0 * PI * j as f64 / angles as f64;
-            let (sin, cos) = theta.sin_cos();
-            let weight = w * rho * cy * cz * 2.0 * PI / angles as f64;
-            let mut at = [(); 4].map(|()| Vec::with_capacity(n));
-            for f in ring.functions(&list, reference_length, rho, theta) {
-                let turn = f.radial * sin * cos * (cy / cz - cz / cy)
-                    + f.hoop * (cos * cos * cy / cz + sin * sin * cz / cy);
-                let by_y = (cos * f.radial - sin * f.hoop) / cy;
-                let by_z = (sin * f.radial + cos * f.hoop) / cz;
-                let values = [f.value, by_y, by_z, rho * turn];
-                at.iter_mut().zip(values).for_each(|(list, value)| list.push(value));
-            }
-            for (pair, sum) in sums.iter_mut().enumerate() {
-                let (a, b) = (pair / 4, pair % 4);
-                // symmetric ones and those of d_theta are needed only
-                if a == 3 && b != 3 || b == 3 && a != 3 && a != 0 || a > b {
-                    continue;
-                }
-                for (column, right) in sum.chunks_exact_mut(n).zip(&at[b]) {
-                    let right = weight * right;
-                    column.iter_mut().zip(&at[a]).for_each(|(sum, left)| *sum += left * right);
-                }
-            }
-        }
-    }
-    let sums = sums.map(|sum| Mat::from_fn(n, n, |k, l| sum[l * n + k]));
-    let odd = crate::section::basis::SectionBasis::Ring { degree, harmonics }.odd();
-    let clean = |a: usize, b: usize| {
-        let (sum, left, right) = (&sums[4 * a + b], &sums[5 * a], &sums[5 * b]);
-        // derivatives by y change the parity in y, d_theta that in both
-        let flips = |c: usize| [c == 1 || c == 3, c == 2 || c == 3];
-        Mat::from_fn(n, n, |k, l| {
-            let even = (0..2).all(|i| (odd[k][i] ^ flips(a)[i]) == (odd[l][i] ^ flips(b)[i]));
-            let value = if a == b { (sum[(k, l)] + sum[(l, k)]) / 2.0 } else { sum[(k, l)] };
-            let bound = (left[(k, k)] * right[(l, l)]).sqrt();
-            if even && value.abs() > ROUNDING * bound { value } else { 0.0 }
-        })
-    };
-    let gradients = [0, 1, 2]
-        .map(|a| [0, 1, 2].map(|b| if a <= b { clean(a, b) } else { clean(b, a).transpose().to_owned() }));
-    let mut rotation = clean(0, 3);
-    if section.is_axisymmetric() {
-        // skew but for rounding
-        rotation = Mat::from_fn(n, n, |k, l| (rotation[(k, l)] - rotation[(l, k)]) / 2.0);
-    }
-    (gradients, rotation, clean(3, 3))
+    /// Sign of the direction under theta -> -theta.
+    mirrored: f64,
+    /// Half of the square of the undeformed column, as a polynomial in s.
+    half_square: Vec<f64>,
+    /// First coefficient among those of all directions.
+    first: usize,
+    /// First power among those of all directions.
+    set: usize,
 }
 
-/// Matrix T of d_theta on the functions of a round ring, `d_theta f_l = sum_k T_kl f_k`.
-pub fn rotation_matrix(degree: usize, harmonics: usize) -> Mat<f64> {
-    let list = ring_functions(degree, harmonics);
-    Mat::from_fn(list.len(), list.len(), |k, l| {
-        let (f, g) = (list[k], list[l]);
-        if (f.degree, f.waves) != (g.degree, g.waves) || f.sine == g.sine {
-            return 0.0;
+impl Direction {
+    fn waves(&self) -> usize {
+        2 * self.harmonics + 1
+    }
+}
+
+/// The angles 0 .. pi, each with its negative.
+#[derive(Debug, Clone)]
+struct Angles {
+    /// How many.
+    count: usize,
+    /// `cos p theta` and `sin p theta`, `[p][angle]`.
+    waves: [Vec<f64>; 2],
+    /// The same times the weight: 1, and 1/2 for the angle 0, which is its own negative.
+    weighted: [Vec<f64>; 2],
+}
+
+impl Angles {
+    /// Equal angles, an odd number around the section; waves up to a harmonic.
+    fn new(around: usize, harmonics: usize) -> Self {
+        let count = around / 2 + 1;
+        let angle = |p: usize, j: usize| 2.0 * PI * (p * j % around) as f64 / around as f64;
+        let table = |wave: fn(f64) -> f64, half: f64| -> Vec<f64> {
+            let row = |p: usize| (0..count).map(move |j| (p, j));
+            (0..=harmonics)
+                .flat_map(row)
+                .map(|(p, j)| wave(angle(p, j)) * if j == 0 { half } else { 1.0 })
+                .collect()
+        };
+        Self {
+            count,
+            waves: [table(f64::cos, 1.0), table(f64::sin, 1.0)],
+            weighted: [table(f64::cos, 0.5), table(f64::sin, 0.5)],
         }
-        if f.sine { -(f.waves as f64) } else { f.waves as f64 }
+    }
+
+    /// Weight of an angle.
+    fn weight(&self, j: usize) -> f64 {
+        self.weighted[0][j]
+    }
+}
+
+/// The tables of one type of element: everything that does not depend on its coordinates.
+#[derive(Debug, Clone)]
+pub struct RingElement {
+    mu: f64,
+    lambda: f64,
+    /// Kelvin-Voigt factor, s.
+    viscosity: f64,
+    n_vectors: usize,
+    /// What the vectors of a node do to the columns.
+    vectors: Vec<[Vec<Role>; 3]>,
+    directions: [Direction; 3],
+    /// Polynomials of the six products of columns: their first coefficients, and the end of the last.
+    products: [usize; 7],
+    angles: Angles,
+    /// Moments of the stress for the strains: normal ones together, then each shear alone; by rows, m^2 Pa.
+    law: [Vec<f64>; 4],
+    /// Moments `H_n[g]` times the weight of an angle, `[n][g]`, m^2.
+    moments: [Vec<f64>; 5],
+    stations: Stations,
+    tangent: Tables,
+    /// Vector instructions.
+    arch: Arch,
+}
+
+impl RingElement {
+    /// Tables for an element of the given length (m) on a ring section; `reference_length` is R (m). `None` for
+    /// a basis that is no ring.
+    pub fn new(
+        kind: ElementKind,
+        section: &Section,
+        material: &Material,
+        length: f64,
+        reference_length: f64,
+        quadrature: Quadrature,
+    ) -> Option<Self> {
+        let SectionBasis::Ring { degree, harmonics } = kind.basis else { return None };
+        let (lambda, mu) = lame(material);
+        let (ring, round) = (Ring::new(section), section.is_axisymmetric());
+        let directions = directions(&ring, round, degree, harmonics);
+        let vectors = vectors(&ring, round, (degree, harmonics), reference_length, &directions);
+        // four factors F
+        let around = 4 * directions[1].harmonics + 1;
+        let angles = Angles::new(around, 2 * directions[1].harmonics);
+        let mut products = [0; 7];
+        for (p, (a, b)) in PAIRS.into_iter().enumerate() {
+            products[p + 1] = products[p] + directions[a].count + directions[b].count - 1;
+        }
+        let weight = ring.outer[0] * ring.outer[1] * 2.0 * PI / around as f64;
+        let points = quadrature.section.unwrap_or(ring.points(4 * degree + 2, ROUNDING));
+        let rule = ring.across(points);
+        let moments = [0, 1, 2, 3, 4].map(|n| {
+            let moment = |g: usize| -> f64 {
+                rule.iter().map(|(rho, s, w)| w * s.powi(g as i32) * rho.powi(1 - n)).sum()
+            };
+            (0..=4 * degree).map(|g| weight * moment(g)).collect::<Vec<f64>>()
+        });
+        let law = law(&directions, &products, &moments, lambda, mu);
+        // the integrand holds four factors of the axial degree
+        let count = quadrature.axial.unwrap_or(2 * kind.axial_degree + 1);
+        let stations = Stations::new(kind.axial_degree, length, count);
+        Some(Self {
+            mu,
+            lambda,
+            viscosity: material.stiffness_damping,
+            n_vectors: vectors.len(),
+            tangent: Tables::new(&vectors, &directions, &stations),
+            vectors,
+            directions,
+            products,
+            angles,
+            law,
+            moments,
+            stations,
+            arch: Instructions::Widest.arch().unwrap_or(Arch::Scalar),
+        })
+    }
+
+    /// Computes with other vector instructions; those it had stay on a processor without the ones asked for.
+    pub fn with_instructions(mut self, instructions: Instructions) -> Self {
+        self.arch = instructions.arch().unwrap_or(self.arch);
+        self
+    }
+
+    /// Kelvin-Voigt factor beta of the material, s.
+    pub fn viscosity(&self) -> f64 {
+        self.viscosity
+    }
+
+    /// Number of coordinates.
+    pub fn size(&self) -> usize {
+        3 * self.stations.n_nodes() * self.n_vectors
+    }
+
+    /// Internal force `dW/dq` (N, one for each scaled coordinate) into `force`; returns the strain energy W (J).
+    ///
+    /// With velocities the Kelvin-Voigt stress `beta C : dE/dt` is added to the force (and no energy is returned).
+    pub fn internal_force(
+        &self,
+        q: &[f64],
+        velocity: Option<&[f64]>,
+        force: &mut [f64],
+        scratch: &mut Scratch,
+    ) -> f64 {
+        let velocity = velocity.filter(|_| self.viscosity != 0.0);
+        self.arch.dispatch(Force { element: self, q, velocity, force, scratch })
+    }
+
+    /// Tangent `d force / dq` (N/m), symmetric, by columns into `tangent` (both triangles).
+    pub fn tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
+        self.arch.dispatch(Tangent { element: self, q, geometric: true, scratch });
+        self.tangent.expansion.write(scratch, tangent);
+    }
+
+    /// The part of the tangent that stems from the law alone, without stress: `beta` times it is the derivative of
+    /// the Kelvin-Voigt force by the velocities.
+    pub fn material_tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
+        self.arch.dispatch(Tangent { element: self, q, geometric: false, scratch });
+        self.tangent.expansion.write(scratch, tangent);
+    }
+
+    /// Coefficients of F of all directions: powers of s times waves.
+    fn coefficients(&self) -> usize {
+        self.directions.iter().map(|d| d.count * d.waves()).sum()
+    }
+
+    /// Powers of s of all directions.
+    fn sets(&self) -> usize {
+        self.directions.iter().map(|d| d.count).sum()
+    }
+
+    /// Powers of a direction among those of all.
+    #[inline(always)]
+    fn column<'a, T>(&self, alpha: usize, f: &'a [T]) -> &'a [T] {
+        let d = &self.directions[alpha];
+        &f[d.set..d.set + d.count]
+    }
+
+    /// Coefficients of F at a batch of stations.
+    #[inline(always)]
+    fn gradient<S: Simd>(&self, simd: S, q: &[f64], batch: usize, f: &mut [[S::f64s; 3]]) {
+        f.fill([simd.splat_f64s(0.0); 3]);
+        for (k, roles) in self.vectors.iter().enumerate() {
+            let [value, slope] = self.stations.collapse(simd, q, (k, self.n_vectors), batch);
+            for alpha in 0..3 {
+                let d = &self.directions[alpha];
+                let along = if alpha == 0 { &slope } else { &value };
+                for role in &roles[alpha] {
+                    let f = &mut f[d.first + d.waves() * role.power + role.wave];
+                    let factor = simd.splat_f64s(role.factor);
+                    for i in 0..3 {
+                        f[i] = simd.mul_add_e_f64s(factor, along[i], f[i]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Coefficients of the powers of s at theta and, mirrored, at -theta.
+    #[inline(always)]
+    fn at_angle<S: Simd>(
+        &self,
+        simd: S,
+        j: usize,
+        coefficients: &[[S::f64s; 3]],
+        f: &mut [[[S::f64s; 2]; 3]],
+    ) {
+        let count = self.angles.count;
+        let [cos, sin] = [&self.angles.waves[0][j..], &self.angles.waves[1][j..]];
+        for d in &self.directions {
+            let of_d = &coefficients[d.first..d.first + d.count * d.waves()];
+            for (c, f) in of_d.chunks_exact(d.waves()).zip(&mut f[d.set..d.set + d.count]) {
+                // cos 0
+                let (mut even, mut odd) = (c[0], [simd.splat_f64s(0.0); 3]);
+                for m in 1..=d.harmonics {
+                    let cos = simd.splat_f64s(cos[m * count]);
+                    let sin = simd.splat_f64s(sin[m * count]);
+                    let (a, b) = (&c[m], &c[d.harmonics + m]);
+                    for i in 0..3 {
+                        even[i] = simd.mul_add_e_f64s(cos, a[i], even[i]);
+                        odd[i] = simd.mul_add_e_f64s(sin, b[i], odd[i]);
+                    }
+                }
+                for i in 0..3 {
+                    let difference = if d.mirrored > 0.0 {
+                        simd.sub_f64s(even[i], odd[i])
+                    } else {
+                        simd.sub_f64s(odd[i], even[i])
+                    };
+                    f[i] = [simd.add_f64s(even[i], odd[i]), difference];
+                }
+            }
+        }
+    }
+}
+
+/// Columns x, rho, theta of a circle or x, y, z of an ellipse.
+fn directions(ring: &Ring, round: bool, degree: usize, harmonics: usize) -> [Direction; 3] {
+    let (mean, half) = (ring.mean, ring.half);
+    // rho^2 / 2 for those over rho
+    let squares = |over: usize| {
+        if over == 0 { vec![0.5] } else { vec![mean * mean / 2.0, mean * half, half * half / 2.0] }
+    };
+    let counts = if round { [degree + 1, degree, degree + 1] } else { [degree + 1; 3] };
+    let overs = if round { [0, 0, 1] } else { [0, 1, 1] };
+    let (mut first, mut set) = (0, 0);
+    [0, 1, 2].map(|a| {
+        let direction = Direction {
+            count: counts[a],
+            over: overs[a],
+            harmonics: if round || a == 0 { harmonics } else { harmonics + 1 },
+            mirrored: if a == 2 { -1.0 } else { 1.0 },
+            half_square: squares(overs[a]),
+            first,
+            set,
+        };
+        first += direction.count * direction.waves();
+        set += direction.count;
+        direction
     })
 }
 
-/// Points `(y, z, weight)` of a rule over a section for functions of the ring `own`: between the boundaries of an
-/// ellipse, and of a rectangle those points that lie outside the bore of `own`.
-pub fn rule(over: &Section, own: &Section, degree: usize, harmonics: usize) -> Vec<(f64, f64, f64)> {
-    if over.shape == Shape::Rectangle {
-        let ring = Ring::new(own);
-        let inside = |p: &(f64, f64, f64)| {
-            let (rho, _) = ring.coordinates(p.0, p.1);
-            rho >= ring.mean - ring.half
-        };
-        return crate::element::quadrature::section_rule(over, 48).into_iter().filter(inside).collect();
-    }
-    let similar = over.outer[0] * own.outer[1] == over.outer[1] * own.outer[0]
-        && over.outer[0] * over.inner[1] == over.outer[1] * over.inner[0];
-    let angles = if similar { 2 * harmonics + 8 } else { 2 * harmonics + 64 };
-    let count = (Ring::new(own).points(2 * degree + 4, 1e-17)).max(degree + 4);
-    let mut list = Vec::with_capacity(count * angles);
-    for (t, w) in gauss(count) {
-        let share = (1.0 + t) / 2.0;
-        let [a, b] = [0, 1].map(|i| over.inner[i] + share * (over.outer[i] - over.inner[i]));
-        let [da, db] = [0, 1].map(|i| (over.outer[i] - over.inner[i]) / 2.0);
-        for j in 0..angles {
-            let (sin, cos) = (2.0 * PI * j as f64 / angles as f64).sin_cos();
-            let area = (da * b * cos * cos + a * db * sin * sin) * w * 2.0 * PI / angles as f64;
-            list.push((a * cos, b * sin, area));
+/// What the vectors of a node do to the columns.
+fn vectors(
+    ring: &Ring,
+    round: bool,
+    (degree, harmonics): (usize, usize),
+    reference_length: f64,
+    directions: &[Direction; 3],
+) -> Vec<[Vec<Role>; 3]> {
+    let legendre = monomials(degree);
+    let by_rho = |p: &[f64]| -> Vec<f64> {
+        p.iter().enumerate().skip(1).map(|(e, c)| e as f64 * c / ring.half).collect()
+    };
+    let times_rho = |p: &[f64]| -> Vec<f64> {
+        let at = |e: usize| p.get(e).copied().unwrap_or(0.0);
+        (0..=p.len()).map(|e| ring.mean * at(e) + if e > 0 { ring.half * at(e - 1) } else { 0.0 }).collect()
+    };
+    let list = ring_functions(degree, harmonics);
+    list.iter()
+        .map(|f| {
+            let (value, slope) = match f.degree {
+                Some(a) => (legendre[a].clone(), by_rho(&legendre[a])),
+                None => {
+                    let scale = ring.outer[usize::from(f.sine)] / reference_length;
+                    (times_rho(&[scale]), vec![scale])
+                }
+            };
+            let mut roles = [const { Vec::new() }; 3];
+            // waves of a negative number are those of its size, but for the sign of sines
+            let mut add = |a: usize, polynomial: &[f64], (number, sine): (isize, bool), factor: f64| {
+                let (m, h) = (number.unsigned_abs(), directions[a].harmonics);
+                let factor = if sine { factor * number.signum() as f64 } else { factor };
+                for (power, c) in polynomial.iter().enumerate() {
+                    if c * factor != 0.0 {
+                        roles[a].push(Role { power, wave: if sine { h + m } else { m }, factor: c * factor });
+                    }
+                }
+            };
+            let (m, waves) = (f.waves as f64, f.waves as isize);
+            let sign = if f.sine { 1.0 } else { -1.0 };
+            add(0, &value, (waves, f.sine), 1.0);
+            if round {
+                add(1, &slope, (waves, f.sine), 1.0 / ring.outer[0]);
+                add(2, &value, (waves, !f.sine), sign * m / ring.outer[0]);
+            } else {
+                // rho f_y and rho f_z have the waves below and above
+                let radial = times_rho(&slope);
+                let both = |factor: f64| -> Vec<f64> {
+                    let at = |p: &[f64], e: usize| p.get(e).copied().unwrap_or(0.0);
+                    (0..=degree).map(|e| at(&radial, e) + factor * at(&value, e)).collect()
+                };
+                let (below, above) = (both(m), both(-m));
+                let [y, z] = ring.outer.map(|c| 0.5 / c);
+                add(1, &below, (waves - 1, f.sine), y);
+                add(1, &above, (waves + 1, f.sine), y);
+                add(2, &below, (waves - 1, !f.sine), sign * z);
+                add(2, &above, (waves + 1, !f.sine), -sign * z);
+            }
+            roles
+        })
+        .collect()
+}
+
+/// Moments of the stress for the strains; strains of different directions count twice.
+fn law(
+    directions: &[Direction; 3],
+    products: &[usize; 7],
+    moments: &[Vec<f64>; 5],
+    lambda: f64,
+    mu: f64,
+) -> [Vec<f64>; 4] {
+    let over = |p: usize| directions[PAIRS[p].0].over + directions[PAIRS[p].1].over;
+    let length = |p: usize| products[p + 1] - products[p];
+    let rows = |pairs: std::ops::Range<usize>| {
+        let mut list = Vec::new();
+        for p in pairs.clone() {
+            for g in 0..length(p) {
+                for q in pairs.clone() {
+                    let modulus = match p {
+                        0..3 => lambda + if p == q { 2.0 * mu } else { 0.0 },
+                        _ => mu,
+                    };
+                    list.extend((0..length(q)).map(|h| modulus * moments[over(p) + over(q)][g + h]));
+                }
+            }
         }
-    }
-    list
+        list
+    };
+    [rows(0..3), rows(3..4), rows(4..5), rows(5..6)]
+}
+
+/// First coefficient of the product of two columns.
+#[inline(always)]
+fn product(products: &[usize; 7], alpha: usize, beta: usize) -> usize {
+    products[place(alpha, beta)]
 }

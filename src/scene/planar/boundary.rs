@@ -7,7 +7,7 @@
 use crate::element::planar_2322s::{CURVATURES, slopes, values};
 use crate::model::scene::Face as Place;
 use crate::scene::bodies::{Bodies, Curve};
-use crate::scene::gap::{Free, Gap, Point};
+use crate::scene::gap::{Free, Gap, Hit, Point};
 use nalgebra::Vector3;
 
 /// Newton steps and bisections of a root.
@@ -167,25 +167,6 @@ pub fn nearest(points: &[Vector3<f64>; 3], x: &Vector3<f64>) -> f64 {
         }
     }
     best
-}
-
-/// A point against a boundary.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hit {
-    /// Curve of the nearest point.
-    pub face: usize,
-    /// Its parameter.
-    pub zeta: f64,
-    /// Whether the nearest point slides along the curve; on a kink it does not.
-    pub slides: bool,
-    /// Gap, m.
-    pub gap: f64,
-    /// Outward normal.
-    pub normal: Vector3<f64>,
-    /// What the distance is multiplied by.
-    pub scale: f64,
-    /// True when the point lies outside and nearest to a corner: no contact can act.
-    pub at_corner: bool,
 }
 
 /// Which of the nearby curves a point may touch.

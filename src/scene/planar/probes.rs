@@ -9,11 +9,10 @@
 
 use crate::model::scene::{ContactSettings, Enforcement, Face as Place, Scene};
 use crate::scene::bodies::Bodies;
+use crate::scene::gap::Hit;
 use crate::scene::near_pairs::{Aabb, OrientedBox, bezier, clip, near_pairs};
 use crate::scene::penalty::{Model, Spring};
-use crate::scene::planar::boundary::{
-    FACING, Face, Hit, Reach, differentiable, faces, gap, normal, on_curve,
-};
+use crate::scene::planar::boundary::{FACING, Face, Reach, differentiable, faces, gap, normal, on_curve};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 

@@ -1,17 +1,20 @@
 //! From a case as written to a checked [`Model`]: every rule of the case format, with its remedy.
 
+pub mod element_choice;
 mod loads;
-mod motion;
+pub mod memory;
+mod mesh;
 mod scene;
-mod sections;
+mod section;
+mod spinup;
 
 use crate::case::{self, Case, LoadedCase, nearest};
+use crate::check::element_choice::{Choice, Demands, choose, level};
+use crate::check::memory::{memory, mesh_memory};
+use crate::check::mesh::{Mesh, SHORTEST, SegmentPlan};
 use crate::error::Result;
 use crate::instructions::Instructions;
 use crate::model::ElementChoice;
-use crate::model::choice::{Choice, Demands, choose, level};
-use crate::model::memory::{memory, mesh_memory};
-use crate::model::mesh::{Mesh, SHORTEST, SegmentPlan};
 use crate::model::{
     ActsOn, Bearing, CampbellSettings, Disk, ElementKind, Form, Gyroscopic, Hub, Law, Material, Model, Names,
     SectionHold, Support, SupportKind, WhirlFrame,

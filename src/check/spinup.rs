@@ -1,9 +1,9 @@
 //! Settings of the nonlinear analyses: quadrature, static, spinup.
 
 use crate::case;
+use crate::check::Input;
+use crate::check::mesh::Mesh;
 use crate::error::Result;
-use crate::model::build::Input;
-use crate::model::mesh::Mesh;
 use crate::model::{Frame, Integrator, Phase, Quadrature, Shape, SpinupSettings, StaticSettings, Stator};
 use crate::section::Section;
 

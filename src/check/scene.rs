@@ -1,9 +1,9 @@
 //! Contact scenes: bodies and the settings of their contact.
 
 use crate::case::{self, LoadedCase};
+use crate::check::memory::scene_point;
+use crate::check::{Input, MEMORY_LIMIT};
 use crate::error::{Error, Result};
-use crate::model::build::{Input, MEMORY_LIMIT};
-use crate::model::memory::scene_point;
 use crate::model::scene::{
     Action, Beam, Body, BodyLoad, ContactSettings, Enforcement, Face, Hold, PlanarSection, Scene, Stepping,
     Unused,

@@ -1,9 +1,9 @@
 //! Loads and probes.
 
 use crate::case;
+use crate::check::Input;
+use crate::check::mesh::Mesh;
 use crate::error::Result;
-use crate::model::build::Input;
-use crate::model::mesh::Mesh;
 use crate::model::{Load, LoadKind, Probe, Reading, SurfaceLoad, Traction};
 use crate::section::{Section, Shape, Surface};
 

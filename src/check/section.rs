@@ -1,9 +1,9 @@
 //! Materials and sections.
 
 use crate::case;
+use crate::check::{Input, Named};
 use crate::error::Result;
 use crate::model::Material;
-use crate::model::build::{Input, Named};
 use crate::section::{Section, Shape};
 use crate::units::Length;
 use std::collections::BTreeMap;

@@ -3,7 +3,7 @@
 
 use crate::element::kernel::pair_stiffness::PAIRS;
 use crate::element::kernel::simd::{Scratch, take};
-use crate::element::ring::forces::{RingElement, product};
+use crate::element::ring::{RingElement, product};
 use pulp::{Simd, WithSimd};
 
 /// Rows of a law that are multiplied together.

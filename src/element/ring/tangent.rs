@@ -7,7 +7,7 @@
 use crate::element::kernel::pair_stiffness::{Expansion, PAIRS, TRANSPOSED, Term, components, place};
 use crate::element::kernel::simd::{Scratch, take};
 use crate::element::kernel::stations::Stations;
-use crate::element::ring::forces::{Direction, RingElement, Role};
+use crate::element::ring::{Direction, RingElement, Role};
 use pulp::bytemuck::cast_slice;
 use pulp::{Simd, WithSimd};
 
