@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::instructions::Instructions;
 use crate::linalg::dense::{no_convergence, unit_scale};
 use faer::{Mat, MatRef, c64};
-use pulp::NullaryFnOnce;
+use pulp::{Arch, NullaryFnOnce};
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Sums of a scalar product that run side by side.
@@ -30,9 +30,8 @@ pub fn skew_eigenpairs(a: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<c64>)> {
     let mut matrix: Vec<f64> = (0..n * n).map(|at| a[(at % n, at / n)] * scale).collect();
     let mut turn = vec![0.0; n * n];
     let mut below = vec![0.0; n];
-    if let Some(arch) = Instructions::Widest.arch() {
-        arch.dispatch(Tridiagonal { n, matrix: &mut matrix, turn: &mut turn, below: &mut below });
-    }
+    let arch = Instructions::Widest.arch().unwrap_or(Arch::Scalar);
+    arch.dispatch(Tridiagonal { n, matrix: &mut matrix, turn: &mut turn, below: &mut below });
     // T y = (-B^T r, B p) for y = (p at even places, r at odd ones)
     let block = Mat::from_fn(odd, even, |i, j| match j {
         _ if j == i => below[2 * i],

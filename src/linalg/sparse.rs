@@ -5,7 +5,7 @@ use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use faer::traits::ComplexField;
 use faer::traits::ext::ComplexFieldExt;
 use faer::{Mat, MatRef};
-use pulp::NullaryFnOnce;
+use pulp::{Arch, NullaryFnOnce};
 
 /// Real sparse matrix, compressed by columns, rows ascending.
 pub type Sparse = SparseColMat<usize, f64>;
@@ -16,9 +16,7 @@ const LANES: usize = 8;
 /// `A X`.
 pub fn multiply(a: &Sparse, x: MatRef<'_, f64>) -> Mat<f64> {
     let mut y = Mat::zeros(a.nrows(), x.ncols());
-    if let Some(arch) = Instructions::Widest.arch() {
-        arch.dispatch(Product { a, x, y: &mut y });
-    }
+    Instructions::Widest.arch().unwrap_or(Arch::Scalar).dispatch(Product { a, x, y: &mut y });
     y
 }
 

@@ -42,14 +42,44 @@ fn sources(folder: &Path, module: &str, list: &mut Vec<(String, PathBuf)>) {
     }
 }
 
-/// Paths that a source takes from the crate, tests left aside.
-fn imports(path: &Path) -> Vec<String> {
+/// Paths that a source takes from the crate, from its root; tests left aside.
+fn imports(module: &str, path: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(path).expect("a source");
-    let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+    let (code, tests) = text.split_once("#[cfg(test)]").unwrap_or((&text, "\nmod tests {"));
+    assert!(tests.starts_with("\nmod tests {"), "{}: code after a test", path.display());
     let lines = code.lines().filter(|l| !l.trim_start().starts_with("//"));
     let code = lines.collect::<Vec<_>>().join("\n");
-    let ends = |c: char| !(c.is_alphanumeric() || c == '_' || c == ':');
-    code.split("crate::").skip(1).map(|rest| rest.split(ends).next().unwrap_or_default().to_owned()).collect()
+    let mut list = Vec::new();
+    let steps =
+        regex_lite::Regex::new(r"\b(?:crate::|(?:super::)+)([A-Za-z_0-9:]*)(\{[^;]*)?").expect("a pattern");
+    for found in steps.captures_iter(&code) {
+        let whole = found.get(0).expect("a match").as_str();
+        let up = whole.matches("super::").count();
+        let mut base: Vec<&str> = module.split("::").collect();
+        base.truncate(if up == 0 { 0 } else { base.len() - up });
+        let base = base.into_iter().chain(found.get(1).map(|m| m.as_str())).collect::<Vec<_>>().join("::");
+        // what stands first in each place of a group
+        let inside = found.get(2).map_or("", |m| m.as_str());
+        let mut depth = 0;
+        let mut item = String::new();
+        for c in inside.chars() {
+            match c {
+                '{' => depth += 1,
+                '}' => depth -= 1,
+                ',' if depth == 1 => {
+                    list.push(format!("{base}{}", item.trim()));
+                    item.clear();
+                }
+                _ if depth == 1 => item.push(c),
+                _ => {}
+            }
+            if depth == 0 {
+                break;
+            }
+        }
+        list.push(format!("{base}{}", item.trim()));
+    }
+    list
 }
 
 #[test]
@@ -62,11 +92,10 @@ fn every_file_uses_only_what_stands_before_it() {
         let own = module.split("::").next().expect("a module");
         found.insert(own.to_owned());
         let at = place(own).unwrap_or_else(|| panic!("{own} has no place in the order"));
-        for import in imports(path) {
+        for import in imports(module, path) {
             let other = import.split("::").next().expect("a module");
-            if let Some(before) = place(other) {
-                assert!(before <= at, "{} uses {import}, which stands after {own}", path.display());
-            }
+            let before = place(other).unwrap_or_else(|| panic!("{} uses {import}", path.display()));
+            assert!(before <= at, "{} uses {import}, which stands after {own}", path.display());
         }
     }
     assert_eq!(found, ORDER.iter().map(|m| (*m).to_owned()).collect());
@@ -85,7 +114,7 @@ fn parts_of_a_module_stand_in_an_order() {
     let mut uses: BTreeMap<[String; 2], BTreeSet<[String; 2]>> = BTreeMap::new();
     for (module, path) in &list {
         let Some(own) = part(module) else { continue };
-        for other in imports(path).iter().filter_map(|import| part(import)) {
+        for other in imports(module, path).iter().filter_map(|import| part(import)) {
             if other != own && other[0] == own[0] && known.contains(&other) {
                 uses.entry(own.clone()).or_default().insert(other);
             }

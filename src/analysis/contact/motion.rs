@@ -359,7 +359,7 @@ impl<'a> Motion<'a> {
             let converged = fresh && size <= CONVERGED * self.height
                 || last.is_finite() && rate <= SERVES && size * rate <= LEFT * self.height;
             // a correction that stays at the rounding error of the system is the end as well
-            if converged || (iteration > 6 && size < 1e-9 * self.height && rate >= 0.5) {
+            if converged || (fresh && iteration > 6 && size < 1e-9 * self.height && rate >= 0.5) {
                 return self.finish(dt, &q0, &moved, &v0, before);
             }
             serves &= fresh || !last.is_finite() || rate <= SERVES;
