@@ -1,8 +1,8 @@
 //! Eigenpairs of a real skew matrix.
 //!
 //! Householder reflections take `A = -A^T` to a tridiagonal `T = Q^T A Q`, which couples even places with odd ones
-//! only: `T y = i w y` are the singular values and vectors of its half-sized block B. This takes a fifth of the work
-//! of the complex Hermitian problem `i A`. Source: Ward, Gray, Eigensystem computation for skew-symmetric matrices,
+//! only: `T y = i w y` are the singular values and vectors of its half-sized block B. All of it is real, where the Hermitian
+//! problem `i A` is complex. Source: Ward, Gray, Eigensystem computation for skew-symmetric matrices,
 //! ACM Trans. Math. Softw. 4 (1978).
 
 use crate::error::Result;
