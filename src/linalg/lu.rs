@@ -2,10 +2,16 @@
 
 use crate::error::{Error, Result};
 use crate::linalg::sparse::Sparse;
-use faer::Mat;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::perm::Perm;
 use faer::prelude::Solve;
-use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
+use faer::sparse::linalg::amd;
+use faer::sparse::linalg::lu::simplicial::{
+    self, SimplicialLu, factorize_simplicial_numeric_lu, factorize_simplicial_numeric_lu_scratch,
+};
+use faer::sparse::linalg::solvers::Lu;
 use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat};
+use faer::{Conj, Mat, Par};
 
 /// Entries `(row, column, value)` of a square matrix, in any order; equal places are summed.
 #[derive(Debug, Clone, Default)]
@@ -51,14 +57,18 @@ struct Pattern {
     places: Vec<Pair<usize, usize>>,
     symbolic: SymbolicSparseColMat<usize>,
     order: Argsort<usize>,
-    lu: SymbolicLu<usize>,
+    /// In which order columns are eliminated: by minimum degree of `A + A^T`. The matrices are almost symmetric, with pivots that
+    /// stay near the diagonal; an order for any pivots leaves several times the fill.
+    columns: Perm<usize>,
 }
 
-/// Factorises matrices one after the other; as long as their places are the same, ordering and fill are found once.
+/// Factorises matrices one after the other; as long as their places are the same, the ordering is found once.
 #[derive(Default)]
 pub struct Solver {
     pattern: Option<Pattern>,
-    factor: Option<Lu<usize, f64>>,
+    factor: SimplicialLu<usize, f64>,
+    /// Pivot rows of the factor; `None` without one.
+    rows: Option<Perm<usize>>,
     /// Patterns of places that were ordered.
     pub orderings: usize,
 }
@@ -86,7 +96,7 @@ impl Solver {
     /// # Errors
     /// A matrix that can't be factorised.
     pub fn factorise(&mut self, n: usize, a: &Entries) -> Result<()> {
-        self.factor = None;
+        self.rows = None;
         if n == 0 {
             return Ok(());
         }
@@ -100,9 +110,23 @@ impl Solver {
         let pattern = self.pattern.insert(pattern);
         let matrix = SparseColMat::new_from_argsort(pattern.symbolic.clone(), &pattern.order, &a.values)
             .map_err(|e| failed(format!("sum of {} entries: {e:?}", a.values.len())))?;
-        let lu = Lu::try_new_with_symbolic(pattern.lu.clone(), matrix.as_ref())
-            .map_err(|e| failed(format!("factorisation of {n} unknowns: {e:?}")))?;
-        self.factor = Some(lu);
+        if self.factor.ncols() != n {
+            self.factor = SimplicialLu::new();
+        }
+        let tried = || format!("factorisation of {n} unknowns");
+        let mut memory = MemBuffer::try_new(factorize_simplicial_numeric_lu_scratch::<usize, f64>(n, n))
+            .map_err(|e| failed(format!("{}: {e:?}", tried())))?;
+        let (mut forward, mut inverse) = (vec![0; n], vec![0; n]);
+        factorize_simplicial_numeric_lu(
+            &mut forward,
+            &mut inverse,
+            &mut self.factor,
+            matrix.as_ref(),
+            pattern.columns.as_ref(),
+            MemStack::new(&mut memory),
+        )
+        .map_err(|e| failed(format!("{}: {e:?}", tried())))?;
+        self.rows = Some(Perm::new_checked(forward.into(), inverse.into(), n));
         Ok(())
     }
 
@@ -115,9 +139,19 @@ impl Solver {
         if n == 0 {
             return Ok(());
         }
-        let Some(factor) = &self.factor else { return Err(failed(format!("{n} unknowns: no matrix"))) };
+        let (Some(rows), Some(pattern)) = (&self.rows, &self.pattern) else {
+            return Err(failed(format!("{n} unknowns: no matrix")));
+        };
         let mut x = Mat::from_fn(n, 1, |i, _| b[i]);
-        factor.solve_in_place(&mut x);
+        let mut memory = MemBuffer::new(simplicial::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq));
+        self.factor.solve_in_place_with_conj(
+            rows.as_ref(),
+            pattern.columns.as_ref(),
+            Conj::No,
+            x.as_mut(),
+            Par::Seq,
+            MemStack::new(&mut memory),
+        );
         if x.col(0).iter().any(|v| !v.is_finite()) {
             return Err(failed(format!("{n} unknowns: the matrix is singular")));
         }
@@ -169,8 +203,14 @@ impl Pattern {
     fn new(n: usize, a: &Entries) -> Result<Self> {
         let (symbolic, order) = SymbolicSparseColMat::try_new_from_indices(n, n, &a.places)
             .map_err(|e| failed(format!("pattern of {n} unknowns: {e:?}")))?;
-        let lu = SymbolicLu::try_new(symbolic.as_ref())
+        let (mut forward, mut inverse) = (vec![0; n], vec![0; n]);
+        let scratch = amd::order_maybe_unsorted_scratch::<usize>(n, symbolic.compute_nnz());
+        let mut memory =
+            MemBuffer::try_new(scratch).map_err(|e| failed(format!("ordering of {n} unknowns: {e:?}")))?;
+        let stack = MemStack::new(&mut memory);
+        amd::order_maybe_unsorted(&mut forward, &mut inverse, symbolic.as_ref(), Default::default(), stack)
             .map_err(|e| failed(format!("ordering of {n} unknowns: {e:?}")))?;
-        Ok(Self { places: a.places.clone(), symbolic, order, lu })
+        let columns = Perm::new_checked(forward.into(), inverse.into(), n);
+        Ok(Self { places: a.places.clone(), symbolic, order, columns })
     }
 }

@@ -89,20 +89,13 @@ pub struct Hit {
     pub at_corner: bool,
 }
 
-/// A symmetric matrix between some coordinates.
-#[derive(Debug, Clone)]
-pub struct Block {
-    /// The coordinates.
-    pub coordinates: Vec<usize>,
-    /// By them.
-    pub matrix: DMatrix<f64>,
-}
-
 impl Gap {
     /// `S - M` of the vectors behind: first coordinate and weight.
     pub fn difference(&self) -> Vec<(usize, f64)> {
-        let slave = self.slave.vectors.iter().map(|(first, w)| (*first, w[0]));
-        slave.chain(self.master.vectors.iter().map(|(first, w)| (*first, -w[0]))).collect()
+        let mut list = Vec::with_capacity(self.slave.vectors.len() + self.master.vectors.len());
+        list.extend(self.slave.vectors.iter().map(|(first, w)| (*first, w[0])));
+        list.extend(self.master.vectors.iter().map(|(first, w)| (*first, -w[0])));
+        list
     }
 
     /// `scale n`: the gap's change by that of `x_s - x_m`.
@@ -164,22 +157,35 @@ impl Gap {
         DVector::from_vec(all)
     }
 
-    /// `d^2 g/dq^2`, m^-1; coordinates may come twice. Zero for a point that lies on a kink, where there is none.
-    pub fn curvature(&self, q: &[f64], components: usize) -> Block {
+    /// The coordinates of the gradient and of the curvature, in their order; they may come twice.
+    pub fn coordinates(&self, components: usize) -> Vec<usize> {
+        let mut list =
+            Vec::with_capacity(components * (self.slave.vectors.len() + self.master.vectors.len()));
+        for (first, _) in self.slave.vectors.iter().chain(&self.master.vectors) {
+            list.extend((0..components).map(|c| first + c));
+        }
+        list
+    }
+
+    /// Adds `factor d^2 g/dq^2` (m^-1) to a matrix between [`Self::coordinates`]. Nothing for a point that lies on a kink, where
+    /// there is none.
+    pub fn add_curvature(&self, q: &[f64], components: usize, factor: f64, sum: &mut DMatrix<f64>) {
         let (a, across) = self.system(q, components);
         let [master, slave] = self.parameters();
         let (of_slave, of_n) = (master.len(), master.len() + slave.len());
         let slaves = self.slave.vectors.len();
         let columns = (slaves + self.master.vectors.len()) * components;
-        let mut b = DMatrix::zeros(a.nrows(), columns);
+        // transposed, so that what belongs to one parameter lies together
+        let mut b = DMatrix::zeros(columns, a.nrows());
         let mut fill = |row: usize, of_slave: Option<usize>, of_master: Option<usize>, e: &Vector3<f64>| {
-            let weights = |list: &[(usize, [f64; 6])], index: Option<usize>| -> Vec<f64> {
-                list.iter().map(|(_, w)| index.map_or(0.0, |i| w[i])).collect()
-            };
-            let slave = weights(&self.slave.vectors, of_slave).into_iter();
-            let master = weights(&self.master.vectors, of_master).into_iter().map(|w| -w);
-            for (k, w) in slave.chain(master).enumerate() {
-                (0..components).for_each(|c| b[(row, k * components + c)] = w * e[c]);
+            for (vectors, start, index, sign) in
+                [(&self.slave.vectors, 0, of_slave, 1.0), (&self.master.vectors, slaves, of_master, -1.0)]
+            {
+                let Some(index) = index else { continue };
+                for (k, (_, w)) in vectors.iter().enumerate() {
+                    (0..components)
+                        .for_each(|c| b[((start + k) * components + c, row)] = sign * w[index] * e[c]);
+                }
             }
         };
         for (i, e) in across.iter().enumerate() {
@@ -187,23 +193,19 @@ impl Gap {
         }
         master.iter().enumerate().for_each(|(i, &p)| fill(i, None, Some(FIRST[p]), &self.normal));
         slave.iter().enumerate().for_each(|(i, &p)| fill(of_slave + i, Some(FIRST[p]), None, &self.normal));
-        let vectors = self.slave.vectors.iter().chain(&self.master.vectors);
-        let coordinates: Vec<usize> =
-            vectors.flat_map(|(first, _)| (0..components).map(move |c| first + c)).collect();
-        let matrix = match a.lu().solve(&b) {
-            Some(x) if x.iter().all(|v| v.is_finite()) => b.transpose() * x * -self.scale,
-            _ => DMatrix::zeros(columns, columns),
-        };
-        Block { coordinates, matrix }
+        let Some(inverse) = a.try_inverse().filter(|a| a.iter().all(|v| v.is_finite())) else { return };
+        let left = &b * (inverse * (-self.scale * factor));
+        sum.gemm(1.0, &left, &b.transpose(), 1.0);
     }
 }
 
 /// `w v` of vectors along a direction, component by component.
 pub fn along(vectors: &[(usize, f64)], direction: &Vector3<f64>, components: usize) -> Vec<(usize, f64)> {
-    vectors
-        .iter()
-        .flat_map(|(first, w)| (0..components).map(move |c| (first + c, w * direction[c])))
-        .collect()
+    let mut list = Vec::with_capacity(components * vectors.len());
+    for (first, w) in vectors {
+        list.extend((0..components).map(|c| (first + c, w * direction[c])));
+    }
+    list
 }
 
 /// The sum of a gradient with a vector of all coordinates.

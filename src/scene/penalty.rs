@@ -76,9 +76,10 @@ pub struct Sums {
 
 impl Sums {
     /// The block between some coordinates.
-    fn block(&mut self, rows: Vec<usize>, columns: Vec<usize>) -> &mut DMatrix<f64> {
-        let size = [rows.len(), columns.len()];
-        self.blocks.entry([rows, columns]).or_insert_with(|| DMatrix::zeros(size[0], size[1]))
+    fn block(&mut self, rows: &[usize], columns: &[usize]) -> &mut DMatrix<f64> {
+        self.blocks
+            .entry([rows.to_vec(), columns.to_vec()])
+            .or_insert_with(|| DMatrix::zeros(rows.len(), columns.len()))
     }
 
     /// Makes all blocks zero.
@@ -101,14 +102,15 @@ impl Sums {
     }
 }
 
-/// The coordinates of a gradient.
-fn coordinates(gradient: &[(usize, f64)]) -> Vec<usize> {
-    gradient.iter().map(|(k, _)| *k).collect()
+/// The columns of a block.
+fn columns(block: &mut DMatrix<f64>) -> std::slice::ChunksExactMut<'_, f64> {
+    let rows = block.nrows().max(1);
+    block.as_mut_slice().chunks_exact_mut(rows)
 }
 
 /// `block += a b^T`.
 fn add_product(block: &mut DMatrix<f64>, a: &[f64], b: &[(usize, f64)]) {
-    for (mut column, (_, b)) in block.column_iter_mut().zip(b) {
+    for (column, (_, b)) in columns(block).zip(b) {
         column.iter_mut().zip(a).for_each(|(sum, a)| *sum += a * b);
     }
 }
@@ -133,11 +135,11 @@ pub fn add(
         if entries.is_none() {
             continue;
         }
-        let curved = spring.gap.curvature(q, components);
-        let sum = sums.block(coordinates(&gradient), curved.coordinates);
+        let places = spring.gap.coordinates(components);
+        let sum = sums.block(&places, &places);
         let scaled: Vec<f64> = gradient.iter().map(|(_, value)| w * value).collect();
         add_product(sum, &scaled, &gradient);
-        *sum += curved.matrix * (w * g);
+        spring.gap.add_curvature(q, components, w * g, sum);
     }
     if let Some(entries) = entries {
         sums.add_to(unknown, entries);
@@ -244,19 +246,17 @@ pub fn add_average(
             .zip(&turned)
             .map(|((_, value), (_, turn))| slope * value + turning * turn)
             .collect();
-        let rows = coordinates(&gradient);
-        add_product(tangent.block(rows.clone(), coordinates(&after)), &by_gap, &after);
-        let sum = tangent.block(rows.clone(), rows);
-        let curved = gap.curvature(middle, components).matrix;
-        sum.zip_apply(&curved, |sum, value| *sum += 0.5 * phi * value);
+        let places = gap.coordinates(components);
+        let places_after: Vec<usize> = after.iter().map(|(k, _)| *k).collect();
+        add_product(tangent.block(&places, &places_after), &by_gap, &after);
+        let sum = tangent.block(&places, &places);
+        gap.add_curvature(middle, components, 0.5 * phi, sum);
         let by_place: Vec<f64> = turned.iter().map(|(_, turn)| -turning * turn).collect();
         add_product(sum, &by_place, &along(&weights, &(gap.pull() + moved * (2.0 * share)), components));
-        for (i, (_, a)) in weights.iter().enumerate() {
-            for (j, (_, b)) in weights.iter().enumerate() {
-                for c in 0..components {
-                    sum[(i * components + c, j * components + c)] += phi * share * a * b;
-                }
-            }
+        for (j, column) in columns(sum).enumerate() {
+            let scaled = phi * share * weights[j / components].1;
+            let rows = column.chunks_exact_mut(components).zip(&weights);
+            rows.for_each(|(rows, (_, a))| rows[j % components] += scaled * a);
         }
     }
 }

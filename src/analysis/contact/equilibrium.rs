@@ -9,6 +9,7 @@ use crate::scene::bodies::Bodies;
 use crate::scene::gap::product;
 use crate::scene::penalty::{self, Spring};
 use crate::scene::planar::probes::Key;
+use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -255,11 +256,13 @@ impl<'a> Equilibrium<'a> {
             let compliance = COMPLIANCE / scale;
             entries.add(row, row, -compliance);
             rhs[row] = spring.gap.value - compliance * old;
-            let block = spring.gap.curvature(q, components);
-            for (i, &r) in block.coordinates.iter().enumerate() {
-                for (j, &c) in block.coordinates.iter().enumerate() {
+            let places = spring.gap.coordinates(components);
+            let mut block = DMatrix::zeros(places.len(), places.len());
+            spring.gap.add_curvature(q, components, -old, &mut block);
+            for (i, &r) in places.iter().enumerate() {
+                for (j, &c) in places.iter().enumerate() {
                     if let (Some(r), Some(c)) = (unknown[r], unknown[c]) {
-                        entries.add(r, c, -old * block.matrix[(i, j)]);
+                        entries.add(r, c, block[(i, j)]);
                     }
                 }
             }

@@ -317,7 +317,9 @@ impl<'a> Motion<'a> {
             self.cost.elements_s += start.elapsed().as_secs_f64();
             let start = Instant::now();
             let states = [&q0[..], &q1, &middle];
-            self.springs.clear();
+            if fresh {
+                self.springs.clear();
+            }
             let search = &self.search;
             let gradient_after = |stroke: &Stroke| {
                 let spring = |hit: Hit| search.spring(&search.probes[stroke.probe], &hit);
@@ -432,8 +434,9 @@ impl<'a> Motion<'a> {
             return Vec::new();
         }
         let start = Instant::now();
-        let hits: Vec<Option<Hit>> =
-            self.search.probes.iter().map(|probe| self.search.gap(self.bodies, probe, q)).collect();
+        let contours = self.search.contours(q);
+        let gap = |probe| self.search.gap(self.bodies, probe, &contours);
+        let hits: Vec<Option<Hit>> = self.search.probes.iter().map(gap).collect();
         self.stats.gaps += hits.iter().flatten().count();
         self.cost.gaps_s += start.elapsed().as_secs_f64();
         hits
@@ -445,15 +448,16 @@ impl<'a> Motion<'a> {
             return Vec::new();
         }
         let search = &self.search;
+        let [at_end, halfway] = [q1, middle].map(|q| search.contours(q));
         let mut list = Vec::new();
         for (index, (probe, first)) in search.probes.iter().zip(before).enumerate() {
-            let after = search.gap(self.bodies, probe, q1);
+            let after = search.gap(self.bodies, probe, &at_end);
             let closed = |hit: &Option<Hit>| hit.is_some_and(|h| h.gap < 0.0 && !h.at_corner);
             if !closed(first) && !closed(&after) {
                 continue;
             }
             self.stats.gaps += 2;
-            let between = search.gap(self.bodies, probe, middle);
+            let between = search.gap(self.bodies, probe, &halfway);
             let Some(hit) = between.filter(|h| !h.at_corner).or(after).or(*first) else { continue };
             let value =
                 |hit: &Option<Hit>| hit.map_or(0.0, |h| if h.at_corner { h.gap.max(0.0) } else { h.gap });

@@ -54,11 +54,12 @@ impl Face {
     /// The point at zeta with what it takes of the vectors behind it.
     pub fn point(&self, zeta: f64) -> Point {
         let (l, d) = (values(zeta), slopes(zeta));
-        let vectors = self.curve.iter().enumerate().flat_map(|(i, point)| {
+        let mut vectors = Vec::with_capacity(2 * self.curve.len());
+        for (i, point) in self.curve.iter().enumerate() {
             let weights = [l[i], d[i], 0.0, CURVATURES[i], 0.0, 0.0];
-            [(point.node, weights), (point.node + 2, weights.map(|w| w * point.height))]
-        });
-        Point { vectors: vectors.collect() }
+            vectors.extend([(point.node, weights), (point.node + 2, weights.map(|w| w * point.height))]);
+        }
+        Point { vectors }
     }
 
     /// Position along the axis, m.
@@ -118,8 +119,23 @@ pub fn nearest(points: &[Vector3<f64>; 3], x: &Vector3<f64>) -> f64 {
     // half the derivative of the squared distance, by ascending powers
     let c = [p.dot(&d), d.dot(&d) + 2.0 * p.dot(&e), 3.0 * d.dot(&e), 2.0 * e.dot(&e)];
     let slope = |z: f64| c[0] + z * (c[1] + z * (c[2] + z * c[3]));
-    let second = |z: f64| c[1] + z * (2.0 * c[2] + z * 3.0 * c[3]);
-    // -1, roots of the second derivative, 1
+    let distance = |z: f64| (p + (d + e * z) * z).norm_squared();
+    let mut best = if distance(1.0) < distance(-1.0) { 1.0 } else { -1.0 };
+    let (bounds, count) = turning_points(&c);
+    for pair in bounds[..count].windows(2) {
+        if !(slope(pair[0]) < 0.0 && slope(pair[1]) > 0.0) {
+            continue;
+        }
+        let z = rising_root(&c, pair[0], pair[1]);
+        if distance(z) <= distance(best) {
+            best = z;
+        }
+    }
+    best
+}
+
+/// -1, the roots of the derivative of a polynomial of degree three between them, and 1; and how many they are.
+fn turning_points(c: &[f64; 4]) -> ([f64; 4], usize) {
     let (mut bounds, mut count) = ([-1.0; 4], 1);
     let discriminant = c[2] * c[2] - 3.0 * c[3] * c[1];
     if discriminant > 0.0 {
@@ -133,40 +149,32 @@ pub fn nearest(points: &[Vector3<f64>; 3], x: &Vector3<f64>) -> f64 {
         }
     }
     bounds[count] = 1.0;
-    let mut best = [-1.0, 1.0];
-    let distance = |z: f64| (on_curve(points, z) - x).norm_squared();
-    if distance(best[1]) < distance(best[0]) {
-        best.swap(0, 1);
-    }
-    let mut best = best[0];
-    for pair in bounds[..=count].windows(2) {
-        let (mut low, mut high) = (pair[0], pair[1]);
-        if !(slope(low) < 0.0 && slope(high) > 0.0) {
-            continue;
+    (bounds, count + 1)
+}
+
+/// The root of a polynomial that rises from below zero at `low` to above zero at `high`, by Newton's method from where a straight
+/// curve has it, within bounds.
+fn rising_root(c: &[f64; 4], mut low: f64, mut high: f64) -> f64 {
+    let straight = -c[0] / c[1];
+    let mut z = if straight > low && straight < high { straight } else { (low + high) / 2.0 };
+    for _ in 0..ROOT_STEPS {
+        let value = c[0] + z * (c[1] + z * (c[2] + z * c[3]));
+        if value < 0.0 {
+            low = z;
+        } else {
+            high = z;
         }
-        let mut z = (low + high) / 2.0;
-        for _ in 0..ROOT_STEPS {
-            let value = slope(z);
-            if value < 0.0 {
-                low = z;
-            } else {
-                high = z;
-            }
-            let mut next = z - value / second(z);
-            if !(next > low && next < high) {
-                next = (low + high) / 2.0;
-            }
-            let step = (next - z).abs();
-            z = next;
-            if step < 1e-15 {
-                break;
-            }
+        let mut next = z - value / (c[1] + z * (2.0 * c[2] + z * 3.0 * c[3]));
+        if !(next > low && next < high) {
+            next = (low + high) / 2.0;
         }
-        if distance(z) <= distance(best) {
-            best = z;
+        let step = (next - z).abs();
+        z = next;
+        if step < 1e-15 {
+            break;
         }
     }
-    best
+    z
 }
 
 /// Which of the nearby curves a point may touch.
@@ -183,30 +191,74 @@ impl Reach {
     pub const ANY: Self = Self { normal: None, depth: f64::INFINITY };
 }
 
-/// Whether all of a curve is farther than `distance` from a point, by the circle about its middle that holds its Bezier points.
-fn farther(points: &[Vector3<f64>; 3], x: &Vector3<f64>, distance: f64) -> bool {
-    let sag = (points[1] * 2.0 - points[0] - points[2]) / 2.0;
-    let [a, b] = [0, 2].map(|k| (points[k] - points[1]).norm_squared());
-    let radius = a.max(b).max(sag.norm_squared()).sqrt();
-    (x - points[1]).norm() > (radius + distance) * (1.0 + ROUNDED)
+/// All curves in one state.
+pub struct Contours {
+    curves: Vec<Contour>,
 }
 
-/// Gap of the point `x` to the nearest of some curves of one body; `None` when there is none that counts.
-pub fn gap(faces: &[Face], near: &[usize], q: &[f64], x: &Vector3<f64>, reach: Reach) -> Option<Hit> {
-    let mut best: Option<(f64, Hit)> = None;
-    for &index in near {
-        let face = &faces[index];
-        let points = face.points(q);
-        if best.is_some_and(|(d, _)| farther(&points, x, d)) {
+/// A curve in one state.
+struct Contour {
+    points: [Vector3<f64>; 3],
+    /// Of the circle about its middle point that holds its Bezier points, and so all of it, m.
+    radius: f64,
+}
+
+impl Contours {
+    /// The curves in the state `q`.
+    pub fn new(faces: &[Face], q: &[f64]) -> Self {
+        let curve = |face: &Face| {
+            let points = face.points(q);
+            let sag = (points[1] * 2.0 - points[0] - points[2]) / 2.0;
+            let [a, b] = [0, 2].map(|k| (points[k] - points[1]).norm_squared());
+            Contour { points, radius: a.max(b).max(sag.norm_squared()).sqrt() }
+        };
+        Self { curves: faces.iter().map(curve).collect() }
+    }
+
+    /// The three points of a curve.
+    pub fn points(&self, face: usize) -> &[Vector3<f64>; 3] {
+        &self.curves[face].points
+    }
+
+    /// Of some curves, the one whose middle is nearest to a point: where a search for the nearest point had best begin.
+    fn first(&self, near: &[usize], x: &Vector3<f64>) -> usize {
+        let from = |face: usize| (x - self.curves[face].points[1]).norm_squared();
+        (1..near.len()).fold(0, |best, k| if from(near[k]) < from(near[best]) { k } else { best })
+    }
+
+    /// Whether all of a curve is farther than `distance` from a point.
+    fn farther(&self, face: usize, x: &Vector3<f64>, distance: f64) -> bool {
+        let Contour { points, radius } = &self.curves[face];
+        let far = (radius + distance) * (1.0 + ROUNDED);
+        (x - points[1]).norm_squared() > far * far
+    }
+}
+
+/// Gap of the point `x` to the nearest of some curves of one body; `None` when there is none that counts. Of curves that are equally
+/// near it takes the first.
+pub fn gap(
+    faces: &[Face],
+    near: &[usize],
+    contours: &Contours,
+    x: &Vector3<f64>,
+    reach: Reach,
+) -> Option<Hit> {
+    let mut best: Option<(f64, usize, Hit)> = None;
+    let first = contours.first(near, x);
+    let order = std::iter::once(first).chain((0..near.len()).filter(|k| *k != first));
+    for k in order.filter(|_| !near.is_empty()) {
+        let index = near[k];
+        if best.is_some_and(|(d, ..)| contours.farther(index, x, d)) {
             continue;
         }
-        let zeta = nearest(&points, x);
-        let from = x - on_curve(&points, zeta);
+        let (face, points) = (&faces[index], contours.points(index));
+        let zeta = nearest(points, x);
+        let from = x - on_curve(points, zeta);
         let distance = from.norm();
-        if best.is_some_and(|(d, _)| d <= distance) {
+        if best.is_some_and(|(d, earlier, _)| d < distance || d == distance && earlier < k) {
             continue;
         }
-        let own = normal(&points, zeta);
+        let own = normal(points, zeta);
         let mut hit = Hit {
             face: index,
             zeta,
@@ -223,7 +275,7 @@ pub fn gap(faces: &[Face], near: &[usize], q: &[f64], x: &Vector3<f64>, reach: R
             if reach.depth.is_finite() && !near.contains(&neighbour) {
                 continue;
             }
-            let other = normal(&faces[neighbour].points(q), -zeta);
+            let other = normal(contours.points(neighbour), -zeta);
             let outside = (own + other).dot(&from) >= 0.0;
             hit.slides = false;
             hit.at_corner = face.corner(&faces[neighbour]) && outside;
@@ -234,9 +286,9 @@ pub fn gap(faces: &[Face], near: &[usize], q: &[f64], x: &Vector3<f64>, reach: R
         if reach.normal.is_some_and(|n| own.dot(&n) > FACING) || hit.gap < -reach.depth {
             continue;
         }
-        best = Some((distance, hit));
+        best = Some((distance, k, hit));
     }
-    best.map(|(_, hit)| hit)
+    best.map(|(.., hit)| hit)
 }
 
 /// The gap of a point of a curve with its derivatives.

@@ -12,7 +12,9 @@ use crate::scene::bodies::Bodies;
 use crate::scene::gap::Hit;
 use crate::scene::near_pairs::{Aabb, OrientedBox, bezier, clip, near_pairs};
 use crate::scene::penalty::{Model, Spring};
-use crate::scene::planar::boundary::{FACING, Face, Reach, differentiable, faces, gap, normal, on_curve};
+use crate::scene::planar::boundary::{
+    Contours, FACING, Face, Reach, differentiable, faces, gap, normal, on_curve,
+};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -405,27 +407,39 @@ impl Search {
         self.built = q.to_vec();
     }
 
-    /// Gap of a probe in the state `q`; `None` when it touches nothing or nothing is near.
-    pub fn gap(&self, bodies: &Bodies<'_>, probe: &Probe, q: &[f64]) -> Option<Hit> {
+    /// All curves in the state `q`.
+    pub fn contours(&self, q: &[f64]) -> Contours {
+        Contours::new(&self.faces, q)
+    }
+
+    /// Gap of a probe; `None` when it touches nothing or nothing is near.
+    pub fn gap(&self, bodies: &Bodies<'_>, probe: &Probe, contours: &Contours) -> Option<Hit> {
         let near = self.near(probe);
         match probe.onto {
             _ if near.is_empty() => None,
             Onto::Nothing => None,
-            Onto::Side(place) => self.gap_to_side(probe.slave, near, place, q),
-            Onto::Nearest | Onto::Unknown => self.gap_at(bodies, probe.slave, probe.target, near, q),
+            Onto::Side(place) => self.gap_to_side(probe.slave, near, place, contours),
+            Onto::Nearest | Onto::Unknown => self.gap_at(bodies, probe.slave, probe.target, near, contours),
         }
     }
 
     /// Gap to the side that a point faces, or to where it leaves the body past an end of that side: the lesser of the depth below
     /// the side and [`EXIT`] times the distance to the whole boundary, which goes to zero on every way out.
-    fn gap_to_side(&self, slave: (usize, f64), near: &[usize], place: Place, q: &[f64]) -> Option<Hit> {
-        let nearest = self.gap_to_any(slave, near, q)?;
+    fn gap_to_side(
+        &self,
+        slave: (usize, f64),
+        near: &[usize],
+        place: Place,
+        contours: &Contours,
+    ) -> Option<Hit> {
+        let nearest = self.gap_to_any(slave, near, contours)?;
         if nearest.gap >= 0.0 || self.faces[nearest.face].place == place {
             return Some(nearest);
         }
         let side: Vec<usize> = near.iter().copied().filter(|&f| self.faces[f].place == place).collect();
         let exit = Hit { gap: EXIT * nearest.gap, scale: EXIT, ..nearest };
-        let below = self.gap_to_any(slave, &side, q).filter(|hit| exit.gap <= hit.gap && hit.gap <= 0.0);
+        let below =
+            self.gap_to_any(slave, &side, contours).filter(|hit| exit.gap <= hit.gap && hit.gap <= 0.0);
         Some(below.unwrap_or(exit))
     }
 
@@ -456,19 +470,20 @@ impl Search {
         if !self.any {
             return Vec::new();
         }
+        let contours = self.contours(q);
         let found = self.probes.iter().filter_map(|probe| {
-            let hit = self.gap(bodies, probe, q)?;
-            let counts = !at_nodes(bodies.scene) || self.faces_it(probe, &hit, q);
+            let hit = self.gap(bodies, probe, &contours)?;
+            let counts = !at_nodes(bodies.scene) || self.faces_it(probe, &hit, &contours);
             (hit.gap <= limit && !hit.at_corner && counts).then(|| (probe.key(), self.spring(probe, &hit)))
         });
         found.collect()
     }
 
     /// Whether a face that a probe lies on faces what it has met.
-    fn faces_it(&self, probe: &Probe, hit: &Hit, q: &[f64]) -> bool {
+    fn faces_it(&self, probe: &Probe, hit: &Hit, contours: &Contours) -> bool {
         let face = &self.faces[probe.slave.0];
-        let own = normal(&face.points(q), probe.slave.1);
-        let next = normal(&self.faces[face.next].points(q), -1.0);
+        let own = normal(contours.points(probe.slave.0), probe.slave.1);
+        let next = normal(contours.points(face.next), -1.0);
         let against = own.dot(&hit.normal);
         let least = if probe.kind == Kind::Corner { against.min(next.dot(&hit.normal)) } else { against };
         least <= FACING
@@ -480,27 +495,27 @@ impl Search {
         slave: (usize, f64),
         target: usize,
         near: &[usize],
-        q: &[f64],
+        contours: &Contours,
     ) -> Option<Hit> {
         // the distance to the whole boundary of another body has no steps
         if self.faces[slave.0].body != target {
-            return self.gap_to_any(slave, near, q);
+            return self.gap_to_any(slave, near, contours);
         }
         let face = &self.faces[slave.0];
-        let points = face.points(q);
-        let mut n = normal(&points, slave.1);
+        let points = contours.points(slave.0);
+        let mut n = normal(points, slave.1);
         let next = &self.faces[face.next];
         if slave.1 == 1.0 && face.corner(next) {
             // a corner stands between two normals
-            n += normal(&next.points(q), -1.0);
+            n += normal(contours.points(face.next), -1.0);
         }
         let reach = Reach { normal: Some(n), depth: LAYER * bodies.scene.bodies[target].height };
-        gap(&self.faces, near, q, &on_curve(&points, slave.1), reach)
+        gap(&self.faces, near, contours, &on_curve(points, slave.1), reach)
     }
 
     /// Gap of any point of a curve to any near curve of a body.
-    fn gap_to_any(&self, slave: (usize, f64), near: &[usize], q: &[f64]) -> Option<Hit> {
-        gap(&self.faces, near, q, &on_curve(&self.faces[slave.0].points(q), slave.1), Reach::ANY)
+    fn gap_to_any(&self, slave: (usize, f64), near: &[usize], contours: &Contours) -> Option<Hit> {
+        gap(&self.faces, near, contours, &on_curve(contours.points(slave.0), slave.1), Reach::ANY)
     }
 
     /// Gap of every probe in the state `q`, `None` where it touches nothing or nothing is near. Of those that are apart it is
@@ -510,23 +525,27 @@ impl Search {
         if !self.any {
             return Vec::new();
         }
+        let contours = self.contours(q);
         let mut hits = Vec::with_capacity(self.probes.len());
         for k in 0..self.probes.len() {
             let probe = self.probes[k];
             let near = self.near(&probe);
-            let hit =
-                if near.is_empty() { None } else { self.gap_at(bodies, probe.slave, probe.target, near, q) };
+            let hit = if near.is_empty() {
+                None
+            } else {
+                self.gap_at(bodies, probe.slave, probe.target, near, &contours)
+            };
             let Some(hit) = hit else {
                 hits.push(None);
                 continue;
             };
             let apart = hit.gap >= 0.0;
             if apart || probe.onto == Onto::Unknown {
-                self.probes[k].onto = self.onto(bodies.scene, &probe, &hit, q);
+                self.probes[k].onto = self.onto(bodies.scene, &probe, &hit, &contours);
             }
             hits.push(match self.probes[k].onto {
                 Onto::Nothing => None,
-                Onto::Side(_) if !apart => self.gap(bodies, &self.probes[k], q),
+                Onto::Side(_) if !apart => self.gap(bodies, &self.probes[k], &contours),
                 _ => Some(hit),
             });
         }
@@ -534,9 +553,9 @@ impl Search {
     }
 
     /// What a probe may touch that is near a place of another boundary.
-    fn onto(&self, scene: &Scene, probe: &Probe, hit: &Hit, q: &[f64]) -> Onto {
+    fn onto(&self, scene: &Scene, probe: &Probe, hit: &Hit, contours: &Contours) -> Onto {
         let face = &self.faces[probe.slave.0];
-        let n = normal(&face.points(q), probe.slave.1);
+        let n = normal(contours.points(probe.slave.0), probe.slave.1);
         match probe.kind {
             // what counts of its own body faces it
             _ if face.body == probe.target && probe.kind != Kind::Corner => Onto::Nearest,
@@ -544,7 +563,7 @@ impl Search {
                 let other = &self.faces[hit.face];
                 let neighbour = if hit.zeta > 0.0 { other.next } else { other.previous };
                 let ends = [(hit.face, hit.zeta), (neighbour, -hit.zeta)];
-                let against = ends.map(|(f, zeta)| n.dot(&normal(&self.faces[f].points(q), zeta)));
+                let against = ends.map(|(f, zeta)| n.dot(&normal(contours.points(f), zeta)));
                 let best = usize::from(hit.at_corner && against[1] < against[0]);
                 if against[best] <= FACING {
                     Onto::Side(self.faces[ends[best].0].place)
@@ -557,7 +576,7 @@ impl Search {
                 Onto::Nearest
             }
             Kind::Corner => {
-                let next = normal(&self.faces[face.next].points(q), -1.0);
+                let next = normal(contours.points(face.next), -1.0);
                 let along = |n: &Vector3<f64>| (n.x * hit.normal.y - n.y * hit.normal.x).abs();
                 let limit = scene.contact.corner_angle.sin();
                 if along(&n).min(along(&next)) <= limit { Onto::Nothing } else { Onto::Nearest }
@@ -574,13 +593,13 @@ impl Search {
                     .then(|| Aabb::of_points(&bezier(self.faces[f].points(q))))
             })
             .collect();
+        let contours = self.contours(q);
         let mut smallest: Option<f64> = None;
         for (slave, master) in [pair, (pair.1, pair.0)] {
             for f in of(slave) {
                 let face = &self.faces[f];
-                let points = face.points(q);
                 for zeta in [-1.0, 0.0] {
-                    let x = on_curve(&points, zeta);
+                    let x = on_curve(contours.points(f), zeta);
                     let limit = smallest.unwrap_or(f64::INFINITY);
                     let skip = NEIGHBOURS * bodies.scene.bodies[slave].height;
                     let list: Vec<usize> = of(master)
@@ -588,9 +607,9 @@ impl Search {
                         .filter(|&m| slave != master || apart(face, &self.faces[m]) >= skip)
                         .collect();
                     let hit = if slave == master {
-                        self.gap_at(bodies, (f, zeta), master, &list, q)
+                        self.gap_at(bodies, (f, zeta), master, &list, &contours)
                     } else {
-                        self.gap_to_any((f, zeta), &list, q)
+                        self.gap_to_any((f, zeta), &list, &contours)
                     };
                     let Some(hit) = hit else { continue };
                     if smallest.is_none_or(|s| hit.gap < s) {
