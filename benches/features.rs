@@ -3,7 +3,7 @@
 
 use divan::Bencher;
 use rotor::case::LoadedCase;
-use rotor::run::{Analysis, run};
+use rotor::run::{Analysis, Host, run};
 use serde_json::{Map, Value, json};
 
 fn main() {
@@ -79,7 +79,6 @@ fn features(bencher: Bencher<'_, '_>, (name, feature): (&str, &str)) {
     let case = scene(feature).unwrap_or_else(|e| panic!("{e}"));
     let analysis = Analysis::from_name(name).unwrap_or_else(|| panic!("{name} is an analysis"));
     bencher.bench_local(|| {
-        run(&case, analysis, false, &|_| {}, &|_, _| true)
-            .unwrap_or_else(|e| panic!("{name}, {feature}: {e}"))
+        run(&case, analysis, &Host::silent()).unwrap_or_else(|e| panic!("{name}, {feature}: {e}"))
     });
 }

@@ -1,26 +1,16 @@
 //! The one error type. Every variant carries the values a user needs to mend the input:
 //! where it is, what was found, what is allowed. `exit_code` is the contract of the command line.
 
+use std::fmt::{Display, Formatter};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Anything that stops an analysis.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// A value of the case file (or of `--set`) is not usable.
-    #[error("{file}: at `{path}`: {problem}\n  found:   {value}\n  allowed: {allowed}")]
-    Input {
-        /// Case file as given on the command line.
-        file: String,
-        /// JSON path of the value, e.g. `shaft.segments.0.length`.
-        path: String,
-        /// The offending value as written (shortened).
-        value: String,
-        /// What is wrong with it, in one sentence.
-        problem: String,
-        /// What is allowed there, or how to mend it.
-        allowed: String,
-    },
+    /// The case (or a `--set`) does something wrong.
+    #[error("{0}")]
+    Refused(Refusal),
     /// The file is not JSON.
     #[error("{file}:{line}:{column}: not valid JSON: {message}")]
     Syntax {
@@ -58,16 +48,6 @@ pub enum Error {
     /// The command line asks for something that does not exist.
     #[error("{0}")]
     Usage(String),
-    /// What an analysis finds wrong with the case: the caller knows the file and the value.
-    #[error("at `{path}`: {problem}\n  allowed: {allowed}")]
-    Case {
-        /// JSON path of the value.
-        path: String,
-        /// What is wrong with it.
-        problem: String,
-        /// What is allowed there.
-        allowed: String,
-    },
     /// The input is fine but the computation did not succeed.
     #[error("{what}\n  tried:   {tried}\n  remedy:  {remedy}")]
     Analysis {
@@ -78,6 +58,51 @@ pub enum Error {
         /// What the user can change.
         remedy: String,
     },
+}
+
+/// What a case does wrong, whether it shows when the case is read, checked or run.
+///
+/// Whoever finds it knows the path, the problem and the remedy. The file and the value found there are filled in by
+/// [`crate::case::LoadedCase::locate`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refusal {
+    /// Case file as given on the command line.
+    pub file: Option<String>,
+    /// JSON path of the value, e.g. `shaft.segments.0.length`.
+    pub path: String,
+    /// The offending value as written (shortened).
+    pub found: Option<String>,
+    /// What is wrong with it, in one sentence.
+    pub problem: String,
+    /// What is allowed there, or how to mend it.
+    pub allowed: String,
+}
+
+impl Refusal {
+    /// A refusal of the value at a path of the case.
+    pub fn at(path: impl Into<String>, problem: impl Into<String>, allowed: impl Into<String>) -> Self {
+        let (path, problem, allowed) = (path.into(), problem.into(), allowed.into());
+        Self { file: None, path, found: None, problem, allowed }
+    }
+}
+
+impl Display for Refusal {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        if let Some(file) = &self.file {
+            write!(f, "{file}: ")?;
+        }
+        write!(f, "at `{}`: {}", self.path, self.problem)?;
+        if let Some(found) = &self.found {
+            write!(f, "\n  found:   {found}")?;
+        }
+        write!(f, "\n  allowed: {}", self.allowed)
+    }
+}
+
+impl From<Refusal> for Error {
+    fn from(refusal: Refusal) -> Self {
+        Error::Refused(refusal)
+    }
 }
 
 /// `std::result::Result` with [`Error`].

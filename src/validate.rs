@@ -1,8 +1,8 @@
 //! `rotor validate`: runs what a case expects and compares.
 
 use crate::case::{Expected, Filter, LoadedCase};
-use crate::error::{Error, Result};
-use crate::run::{Analysis, run};
+use crate::error::Result;
+use crate::run::{Analysis, Host, run};
 use serde_json::Value;
 
 /// One compared number.
@@ -44,7 +44,7 @@ impl Comparison {
 /// # Errors
 /// Bad input, or an analysis that does not succeed.
 pub fn validate(loaded: &LoadedCase) -> Result<Vec<Comparison>> {
-    validate_with(loaded, |case, analysis| Ok(run(case, analysis, false, &|_| (), &|_, _| true)?.json))
+    validate_with(loaded, |case, analysis| Ok(run(case, analysis, &Host::silent())?.json))
 }
 
 /// [`validate`] with another source of the reports: whoever has one need not run the case again.
@@ -57,8 +57,8 @@ pub fn validate_with(
 ) -> Result<Vec<Comparison>> {
     let mut reports: Vec<(Analysis, Option<Value>, Value)> = Vec::new();
     let mut result = Vec::new();
-    for (index, expected) in loaded.case.expected.iter().enumerate() {
-        let analysis = analysis_of(loaded, expected, index)?;
+    for expected in &loaded.case.expected {
+        let analysis = expected.analysis.unwrap_or_else(|| loaded.case.default_analysis());
         let set = expected.set.as_ref().map(|s| serde_json::json!(s));
         let known = reports.iter().position(|(a, s, _)| *a == analysis && *s == set);
         let at = match known {
@@ -89,21 +89,6 @@ pub fn validate_with(
         }
     }
     Ok(result)
-}
-
-fn analysis_of(loaded: &LoadedCase, expected: &Expected, index: usize) -> Result<Analysis> {
-    match &expected.analysis {
-        None if loaded.case.campbell.is_some() => Ok(Analysis::Campbell),
-        None if loaded.case.contact.is_some() => Ok(Analysis::Contact),
-        None => Ok(Analysis::Modes),
-        Some(name) => Analysis::from_name(name).ok_or_else(|| Error::Input {
-            file: loaded.file.clone(),
-            path: format!("expected.{index}.analysis"),
-            value: name.clone(),
-            problem: "no such analysis".to_owned(),
-            allowed: "check, modes, campbell, static, spinup, contact".to_owned(),
-        }),
-    }
 }
 
 /// "bending 1" for the entry that `where` picks, else its place in the list.

@@ -1,13 +1,13 @@
 //! `rotor check`: what will be modelled, how big it is, and what it weighs.
 
 use crate::accuracy::locking_and_rounding::slow_remark;
-use crate::analysis::campbell::remarks::refusal;
+use crate::analysis::campbell::remarks::fits;
 use crate::analysis::mass_properties::properties;
 use crate::analysis::{Outcome, ignored_input, model_remarks, summary};
 use crate::check::memory::memory;
 use crate::error::Result;
 use crate::model::{Form, Model};
-use crate::results::{Check, Diagnostic};
+use crate::results::{Check, Diagnostic, LeftOut, Modelled};
 use crate::shaft::assembly::Assembly;
 
 /// Time of modes, critical speeds and checks per unknown, s. This and the numbers below are measured on one server core over the
@@ -57,22 +57,22 @@ pub fn check(model: &Model) -> Result<Outcome<Check>> {
     };
     let mut model_summary = summary(model, unknowns, p.mass());
     let mut diagnostics = ignored_input(model);
-    match model.campbell.as_ref().map(|settings| (settings, refusal(model, settings))) {
-        Some((_, Some(refused))) => diagnostics.push(Diagnostic::warning(
+    match model.campbell.as_ref().map(|settings| (settings, fits(model, settings))) {
+        Some((_, Err(refused))) => diagnostics.push(Diagnostic::warning(
             "campbell-refused",
-            format!("campbell will be refused: {}; remedy: {}", refused.reason, refused.remedy),
+            format!("campbell will be refused: {}; remedy: {}", refused.problem, refused.allowed),
         )),
-        Some((settings, None)) => {
-            model_summary.modelled.push(format!("campbell: {} speeds", settings.speeds.len()));
+        Some((settings, Ok(()))) => {
+            model_summary.modelled.push(Modelled::CampbellSpeeds(settings.speeds.len()));
         }
-        None => model_summary.left_out.push("spin: no `campbell` block".to_owned()),
+        None => model_summary.left_out.push(LeftOut::Spin),
     }
     diagnostics.extend(model_remarks(model, &assembly));
     if let Some(spin) = &model.spinup {
         let fastest = spin.largest_speed();
         slow_remark(model, fastest, &mut diagnostics);
         if !spin.stators.is_empty() {
-            model_summary.modelled.push(format!("spinup: rub (rings: {})", spin.stators.len()));
+            model_summary.modelled.push(Modelled::Rings(spin.stators.len()));
         }
     }
     Ok(Outcome { results, model: model_summary, diagnostics })

@@ -21,8 +21,13 @@ pub mod steps;
 
 use crate::element::structural_3333s::AXIAL_POINTS;
 use crate::model::{Hub, Law, Model, Quadrature};
-use crate::results::{Diagnostic, ModelSummary};
+use crate::results::{Diagnostic, LeftOut, ModelSummary, Modelled};
 use crate::shaft::assembly::Assembly;
+
+/// Called with the number of speeds that were done.
+pub type Counter<'a> = &'a (dyn Fn(usize) + Sync);
+/// Called with the share of the run that is done and a line on where it is; false stops the run.
+pub type Watch<'a> = &'a (dyn Fn(f64, &str) -> bool + Sync);
 
 /// Results with what was modelled and the remarks of the run.
 #[derive(Debug, Clone)]
@@ -37,8 +42,27 @@ pub struct Outcome<R> {
 
 /// What every linear analysis about the undeformed state models and leaves out.
 fn summary(model: &Model, degrees_of_freedom: usize, mass_kg: f64) -> ModelSummary {
-    let mut modelled = vec!["linear elasticity".to_owned()];
-    let mut left_out = Vec::new();
+    let mut summary = contents(model, Modelled::LinearElasticity, degrees_of_freedom, mass_kg);
+    if model.has_gravity() {
+        summary.left_out.push(LeftOut::GravityInLinear);
+    }
+    if model.has_loads() {
+        summary.left_out.push(LeftOut::LoadsInLinear);
+    }
+    summary
+}
+
+/// What every nonlinear analysis models and leaves out.
+fn nonlinear_summary(model: &Model, degrees_of_freedom: usize) -> ModelSummary {
+    let mass_kg = mass_properties::properties(model).mass();
+    let mut summary = contents(model, Modelled::FiniteDisplacements, degrees_of_freedom, mass_kg);
+    summary.modelled.push(Modelled::InternalForces(quadrature_name(model)));
+    summary.left_out.push(LeftOut::ContactOfShaft);
+    summary
+}
+
+/// The parts of a shaft, with the law of its deformation.
+fn contents(model: &Model, law: Modelled, degrees_of_freedom: usize, mass_kg: f64) -> ModelSummary {
     let mut members: Vec<String> = Vec::new();
     for element in &model.elements {
         let name = element.kind.name();
@@ -46,26 +70,19 @@ fn summary(model: &Model, degrees_of_freedom: usize, mass_kg: f64) -> ModelSumma
             members.push(name);
         }
     }
-    modelled.push(format!("elements {}", members.join(", ")));
-    if !model.disks.is_empty() {
+    let mut modelled = vec![law, Modelled::Elements(members)];
+    let mut left_out = Vec::new();
+    if model.disks.is_empty() {
+        left_out.push(LeftOut::Disks);
+    } else {
         let with = |hub: Hub| (model.disks.iter().filter(|d| d.hub == hub).count(), hub.name());
         let hubs = [Hub::Rigid, Hub::Soft, Hub::Bore, Hub::Rim].map(with);
-        let hubs: Vec<String> =
-            hubs.iter().filter(|(n, _)| *n > 0).map(|(n, name)| format!("{n} with {name} hub")).collect();
-        modelled.push(format!("disks ({})", hubs.join(", ")));
-    } else {
-        left_out.push("disks: none given".to_owned());
+        modelled.push(Modelled::Disks(hubs.into_iter().filter(|(n, _)| *n > 0).collect()));
     }
     if model.bearings.is_empty() {
-        left_out.push("bearings: none given".to_owned());
+        left_out.push(LeftOut::Bearings);
     } else {
-        modelled.push(format!("{} linear bearings", model.bearings.len()));
-    }
-    if model.has_gravity() {
-        left_out.push("gravity: a linear analysis about the undeformed state".to_owned());
-    }
-    if model.has_loads() {
-        left_out.push("loads: a linear analysis about the undeformed state".to_owned());
+        modelled.push(Modelled::Bearings(model.bearings.len()));
     }
     ModelSummary {
         degrees_of_freedom,
@@ -75,16 +92,6 @@ fn summary(model: &Model, degrees_of_freedom: usize, mass_kg: f64) -> ModelSumma
         left_out,
         estimated_error: model.estimated_error(),
     }
-}
-
-/// What every nonlinear analysis models and leaves out.
-fn nonlinear_summary(model: &Model, degrees_of_freedom: usize) -> ModelSummary {
-    let mut summary = summary(model, degrees_of_freedom, mass_properties::properties(model).mass());
-    summary.modelled[0] = "finite displacements, St. Venant-Kirchhoff material".to_owned();
-    summary.modelled.push(format!("internal forces integrated: {}", quadrature_name(model)));
-    summary.left_out.retain(|text| !text.starts_with("gravity") && !text.starts_with("loads"));
-    summary.left_out.push("contact: none with other bodies (`rotor contact`)".to_owned());
-    summary
 }
 
 /// The integration of nonlinear forces in words.

@@ -6,7 +6,7 @@ use crate::analysis::{Outcome, ignored_input, model_remarks, summary};
 use crate::element::basis::{evaluate, lagrange};
 use crate::error::Result;
 use crate::model::{Field, Model};
-use crate::results::{Diagnostic, EnergyShare, Mode, ModeKind, ModeShape, Modes};
+use crate::results::{Diagnostic, EnergyShare, LeftOut, Mode, ModeKind, ModeShape, Modes};
 use crate::shaft::assembly::Assembly;
 use crate::shaft::attachments::functions;
 use crate::shaft::spectrum::Spectrum;
@@ -78,11 +78,11 @@ pub fn modes(model: &Model) -> Result<Outcome<Modes>> {
     }
     let mass = crate::analysis::mass_properties::properties(model).mass();
     let mut model_summary = summary(model, assembly.size(), mass);
-    model_summary.left_out.push("spin: modes of the shaft at rest (no gyroscopic matrix built)".to_owned());
+    model_summary.left_out.push(LeftOut::SpinOfModes);
     if assembly.has_material_damping()
         || model.bearings.iter().any(|b| b.damping.iter().flatten().any(|c| *c != 0.0))
     {
-        model_summary.left_out.push("damping: undamped natural modes".to_owned());
+        model_summary.left_out.push(LeftOut::DampingOfModes);
     }
     if model.bearings.iter().any(|b| b.stiffness[0][1] != b.stiffness[1][0]) {
         diagnostics.push(Diagnostic::warning(

@@ -11,7 +11,7 @@ use crate::analysis::stations::headline;
 use crate::analysis::{Outcome, model_remarks, nonlinear_summary};
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::results::{Diagnostic, NewtonSummary, Reaction, Static};
+use crate::results::{Diagnostic, LeftOut, Modelled, NewtonSummary, Reaction, Static};
 use crate::shaft::assembly::Assembly;
 use crate::shaft::internal_forces::Workspace;
 use crate::shaft::loads::{Turned, Which};
@@ -78,17 +78,14 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
         .collect();
     let mut summary = nonlinear_summary(model, assembly.size());
     if model.has_gravity() {
-        summary.modelled.push("gravity".to_owned());
+        summary.modelled.push(Modelled::Gravity);
     }
     if model.has_loads() {
         let (points, surfaces) = (model.loads.len(), model.tractions.len());
-        summary.modelled.push(if balance.loads.depend_on_place() {
-            format!("{points} point loads and {surfaces} on surfaces, where the shaft is")
-        } else {
-            format!("{points} point loads and {surfaces} surface tractions, dead")
-        });
+        let moving = balance.loads.depend_on_place();
+        summary.modelled.push(Modelled::StaticLoads { points, surfaces, moving });
     }
-    summary.left_out.push("inertia, spin and damping: a static analysis".to_owned());
+    summary.left_out.push(LeftOut::Motion);
     let (reader, acting) = (ForceReader::new(&assembly), balance.acting(&state.z, state.load_factor));
     let results = Static {
         converged,

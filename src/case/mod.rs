@@ -1,6 +1,7 @@
 //! The case file exactly as written: keys, defaults, units; no meaning yet (that is [`crate::model`]).
 //! Unknown keys are errors. The documentation of each key is also that of the JSON Schema.
 
+mod analysis;
 mod paths;
 mod reading;
 mod scene;
@@ -9,6 +10,7 @@ pub mod strict_json;
 mod tradeoff;
 mod words;
 
+pub use analysis::{Analysis, CaseKind};
 pub(crate) use paths::shown;
 pub use scene::*;
 pub use schema::schema;
@@ -16,7 +18,7 @@ pub use tradeoff::*;
 pub use words::nearest;
 
 use crate::case::strict_json::Strict;
-use crate::error::{Error, Result};
+use crate::error::{Error, Refusal, Result};
 use crate::units::{
     Acceleration, Damping, Density, Force, Inertia, Length, Mass, Matrix, Moment, Rate, Speed, Stiffness,
     Stress, Time,
@@ -783,7 +785,7 @@ pub struct Expected {
     /// Overrides for this check, JSON path to value, as with --set.
     pub set: Option<Map<String, Value>>,
     /// Analysis: check, modes or campbell (default campbell if the case has such a block, else modes).
-    pub analysis: Option<String>,
+    pub analysis: Option<Analysis>,
     /// Path of the value in the report; `*` stands for the entries of a list.
     pub path: String,
     /// Which entries of the list at `*`.
@@ -864,6 +866,25 @@ impl Case {
     }
 }
 
+impl Case {
+    /// What it describes: a contact scene has bodies, or their contact, and no shaft.
+    pub fn kind(&self) -> CaseKind {
+        let scene = self.shaft.is_none() && (!self.bodies.is_empty() || self.contact.is_some());
+        if scene { CaseKind::Scene } else { CaseKind::Shaft }
+    }
+
+    /// The analysis of an expected value that names none.
+    pub fn default_analysis(&self) -> Analysis {
+        if self.campbell.is_some() {
+            Analysis::Campbell
+        } else if self.contact.is_some() {
+            Analysis::Contact
+        } else {
+            Analysis::Modes
+        }
+    }
+}
+
 impl LoadedCase {
     /// A case from JSON in memory.
     ///
@@ -896,14 +917,19 @@ impl LoadedCase {
         Ok(Self { overrides, ..Self::from_value(&self.file, value)? })
     }
 
-    /// An [`Error::Input`] about the value at a JSON path.
+    /// An [`Error::Refused`] about the value at a JSON path.
     pub fn fault(&self, path: &str, problem: impl Into<String>, allowed: impl Into<String>) -> Error {
-        Error::Input {
-            file: self.file.clone(),
-            path: shown(path),
-            value: at(&self.value, path).map_or("missing".to_owned(), short),
-            problem: problem.into(),
-            allowed: allowed.into(),
+        self.locate(Refusal::at(path, problem, allowed).into())
+    }
+
+    /// Fills in what a refusal does not know: the file, and what stands at its path. Other errors stay as they are.
+    pub fn locate(&self, error: Error) -> Error {
+        let Error::Refused(mut refusal) = error else { return error };
+        if refusal.file.is_none() {
+            refusal.file = Some(self.file.clone());
+            refusal.found = Some(at(&self.value, &refusal.path).map_or("missing".to_owned(), short));
+            refusal.path = shown(&refusal.path);
         }
+        refusal.into()
     }
 }

@@ -112,13 +112,6 @@ pub fn schema() -> Value {
     set(&mut schema, "Expected", "value", "type", json!(["number", "array"]));
     set(&mut schema, "Expected", "value", "items", json!({ "type": "number" }));
     set(&mut schema, "Expected", "value", "minItems", 1.into());
-    set(
-        &mut schema,
-        "Expected",
-        "analysis",
-        "enum",
-        json!(["check", "modes", "campbell", "static", "spinup", "contact", null]),
-    );
     add(&mut schema, "Expected", "anyOf", json!([given(&["rtol"]), given(&["atol"])]));
     let axes = json!({
         "type": "object", "minProperties": 1, "additionalProperties": { "type": "array", "minItems": 1 }

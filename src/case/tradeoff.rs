@@ -1,6 +1,6 @@
 //! The `tradeoff` block: which settings to vary, which number to read, and what it is compared with.
 
-use crate::case::Filter;
+use crate::case::{Analysis, Filter};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 #[serde(deny_unknown_fields)]
 pub struct Tradeoff {
     /// Analysis that each point runs.
-    pub analysis: StudyAnalysis,
+    pub analysis: Analysis,
     /// The number of its report that counts: a path ("results.final.growth_m.0"), or { "path", "where" } as in `expected`.
     pub quantity: Quantity,
     /// What the number is compared with: a number, "expected" (the case's own entry for that quantity), or "finest" (the
@@ -20,101 +20,14 @@ pub struct Tradeoff {
     /// "mesh": [1, 2, 4] multiplies the elements of all segments (of all bodies of a scene).
     pub grid: Grid,
     /// Runs of a point, whose median counts, default 3; one run where it takes more than 10 s.
-    #[serde(default = "three")]
+    #[serde(default = "default_repeats")]
     pub repeats: u32,
     /// Largest relative error allowed: the cheapest point within it is chosen (also --error).
     pub error: Option<f64>,
 }
 
-fn three() -> u32 {
+fn default_repeats() -> u32 {
     3
-}
-
-/// Analyses that a study may run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum StudyAnalysis {
-    /// Natural modes.
-    Modes,
-    /// Whirl frequencies and critical speeds.
-    Campbell,
-    /// Static equilibrium.
-    Static,
-    /// Run up to speed.
-    Spinup,
-    /// Equilibrium or motion of beams in contact.
-    Contact,
-}
-
-impl StudyAnalysis {
-    /// Name on the command line, and of the block with its settings.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Modes => "modes",
-            Self::Campbell => "campbell",
-            Self::Static => "static",
-            Self::Spinup => "spinup",
-            Self::Contact => "contact",
-        }
-    }
-}
-
-impl StudyAnalysis {
-    /// The keys of its results that numbers stand under.
-    pub fn result_keys(self) -> &'static [&'static str] {
-        match self {
-            Self::Modes => &["rigid_modes", "modes"],
-            Self::Campbell => &[
-                "speeds_rad_s",
-                "branches",
-                "critical_speeds",
-                "unstable_ranges",
-                "reduction",
-                "stability_threshold_rad_s",
-            ],
-            Self::Static => &[
-                "load_factor",
-                "probes",
-                "profile",
-                "reactions",
-                "strain_energy_j",
-                "largest_strain",
-                "newton",
-                "support_forces_N",
-                "support_moments_N_m",
-                "sections",
-            ],
-            Self::Spinup => &[
-                "final",
-                "extremes",
-                "growth",
-                "history",
-                "energy",
-                "rub",
-                "integrator",
-                "newton",
-                "support_forces_N",
-                "support_moments_N_m",
-                "sections",
-            ],
-            Self::Contact => &[
-                "time_s",
-                "load_factor",
-                "bodies",
-                "pairs",
-                "events",
-                "largest_penetration_m",
-                "energy_error",
-                "energy_change",
-                "momentum_residual",
-                "angular_momentum_residual",
-                "solver",
-                "history",
-                "energy_J",
-                "penalty_N_m3",
-            ],
-        }
-    }
 }
 
 /// A number of a report.

@@ -1,18 +1,15 @@
 //! What the readers of JSON and of cases say, in the words of a case file.
 
 use crate::case::paths::{at, short, shown};
-use crate::error::Error;
+use crate::error::{Error, Refusal};
 use serde_json::Value;
 
 /// Turns serde's words into path, value and remedy.
 pub(super) fn input_error(file: &str, value: &Value, path: &str, message: &str) -> Error {
     let mut path = path.replace('[', ".").replace(']', "");
-    let input = |path: String, found: String, problem: String, allowed: String| Error::Input {
-        file: file.to_owned(),
-        path: if path.is_empty() { "(top level)".to_owned() } else { shown(&path) },
-        value: found,
-        problem,
-        allowed,
+    let input = |path: String, found: String, problem: String, allowed: String| {
+        let path = if path.is_empty() { "(top level)".to_owned() } else { shown(&path) };
+        Error::Refused(Refusal { file: Some(file.to_owned()), path, found: Some(found), problem, allowed })
     };
     let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     if let (true, Some((key, known))) = (message.starts_with("unknown field"), quoted.split_first()) {

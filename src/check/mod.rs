@@ -25,8 +25,6 @@ use std::f64::consts::PI;
 
 /// Most memory a model may need, bytes.
 const MEMORY_LIMIT: f64 = 12e9;
-/// Analyses that a case may expect values of.
-const ANALYSES: [&str; 6] = ["check", "modes", "campbell", "static", "spinup", "contact"];
 /// Largest value of any quantity, SI.
 const LARGEST: f64 = 1e30;
 
@@ -817,9 +815,6 @@ impl Input<'_> {
                     "the expected value is no number",
                     "a number or a list of numbers",
                 );
-            }
-            if e.analysis.as_deref().is_some_and(|name| !ANALYSES.contains(&name)) {
-                return self.fault(&at("analysis"), "no such analysis", ANALYSES.join(", "));
             }
             // overrides must fit the case, or the check would not be of what it says
             if let Some(Err(error)) = e.set.as_ref().map(|set| self.loaded.with(set)) {

@@ -3,7 +3,7 @@
 use crate::case::{self, LoadedCase};
 use crate::check::memory::scene_point;
 use crate::check::{Input, MEMORY_LIMIT};
-use crate::error::{Error, Result};
+use crate::error::{Error, Refusal, Result};
 use crate::model::scene::{
     Action, Beam, Body, BodyLoad, ContactSettings, Enforcement, Face, Hold, PlanarSection, Scene, Stepping,
     Unused,
@@ -407,7 +407,7 @@ impl Input<'_> {
 
     /// What is wrong with a body as a shaft of its own, said of the body.
     fn of_body(&self, path: &str, error: Error) -> Error {
-        let Error::Input { path: place, problem, allowed, .. } = error else { return error };
+        let Error::Refused(Refusal { path: place, problem, allowed, .. }) = error else { return error };
         let place = match place.strip_prefix("shaft.segments.0.").or_else(|| place.strip_prefix("shaft.")) {
             Some(key) => format!("{path}.{key}"),
             None if place.starts_with("supports") => format!("{path}.{place}"),

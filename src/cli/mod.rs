@@ -3,21 +3,21 @@
 //! Exit codes: 0 done; 1 the analysis ran but did not succeed (no convergence, out of tolerance); 2 bad
 //! input or usage. Results go to standard output, progress and messages to standard error.
 
+mod analyse;
+mod matrices;
 mod terminal;
 mod tradeoff;
+mod validate;
 
-use crate::analysis::matrices::matrices;
-use crate::case::{Case, LoadedCase, schema};
+use crate::case::schema;
 use crate::error::{Error, Result};
-use crate::instructions::Instructions;
-use crate::model::Model;
-use crate::report::{files, json, matrix_market, table};
+use crate::report::{files, json};
 use crate::results::{Diagnostic, Level};
-use crate::run::{self, Analysis};
-use crate::validate::{Comparison, validate};
+use crate::run::{Analysis, entry};
+use analyse::{RunArguments, analyse};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::{IsTerminal, Write};
+use clap_complete::Shell;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -30,100 +30,65 @@ const INTERRUPTED: i32 = 130;
 /// Time in which a run notices an interrupt.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-const EXAMPLES: &str = "\
-Examples:
-  rotor campbell cases/bauchau.json
-  rotor campbell cases/bauchau.json --set shaft.segments.0.elements=32 --out reports/bauchau-32
-  rotor modes cases/table3-tube.json --set modes.count=12
-  rotor spinup cases/table8-spin-circle.json
-  rotor spinup cases/rub-ring.json --set spinup.stators.0.friction=0.02
-  rotor static cases/table5-cantilever.json --set shaft.segments.0.elements=16
-  rotor contact cases/side-to-side.json
-  rotor check cases/jeffcott.json
-  rotor tradeoff studies/tradeoff/tradeoff-tube.json --error 1e-3
-  rotor validate
-
-Exit codes: 0 done; 1 the analysis did not succeed (no convergence, out of tolerance); 2 bad input or usage.";
-
 /// Rotordynamics on the higher-order ANCF beam element 34X3.
 #[derive(Parser)]
-#[command(name = "rotor", version, about, after_help = EXAMPLES)]
+#[command(name = "rotor", version, about)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
 }
 
+/// The commands that are no analyses.
 #[derive(Subcommand)]
 enum Command {
-    /// Say what will be modelled and left out, with size, mass, inertia, memory and time
-    Check(RunArguments),
-    /// Natural frequencies and mode shapes at rest
-    Modes(RunArguments),
-    /// Whirl frequencies over spin speed, and critical speeds
-    Campbell(RunArguments),
-    /// Equilibrium under loads and gravity, with finite displacements
-    Static(RunArguments),
-    /// Run up to speed: growth, stresses, orbit, torque, energies and rub in rings over time
-    Spinup(RunArguments),
-    /// Equilibrium or motion of beams in contact: gaps, forces, energies, events
-    Contact(RunArguments),
     /// Cost and error over a grid of settings: Pareto front, and the cheapest setting for an error
     Tradeoff(tradeoff::TradeoffArguments),
     /// Write M, G, N and K0 as Matrix Market files, with the meaning of their rows
     Matrices(RunArguments),
     /// Run what cases expect and print ours / reference / error
-    Validate(ValidateArguments),
+    Validate(validate::ValidateArguments),
     /// Print the JSON Schema of the case file
     Schema,
+    /// Print what completes commands and options in a shell, e.g. rotor completions bash > /etc/bash_completion.d/rotor
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
 }
 
-#[derive(Args)]
-struct RunArguments {
-    /// Case file (JSON)
-    case: PathBuf,
-    /// Folder for the report and plots [default: reports/<case file's stem>]
-    #[arg(long)]
-    out: Option<PathBuf>,
-    /// Override a value of the case, e.g. shaft.segments.0.elements=8 (repeatable)
-    #[arg(long, value_name = "PATH=VALUE")]
-    set: Vec<String>,
-    /// Threads for independent speeds [default: all cores]
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-    /// Vector instructions of the force kernels, narrower than the processor's to compute as another one does
-    #[arg(long, value_name = "SET", value_parser = instructions)]
-    instructions: Option<Instructions>,
-    /// No progress and no notes; errors only
-    #[arg(long)]
-    quiet: bool,
-    /// Do not draw
-    #[arg(long)]
-    no_plots: bool,
+/// The whole command line: a command for each analysis, then the others.
+fn command_line() -> clap::Command {
+    let mut examples: Vec<&str> =
+        Analysis::all().flat_map(|analysis| entry(analysis).examples).copied().collect();
+    examples.extend(["rotor tradeoff studies/tradeoff/tradeoff-tube.json --error 1e-3", "rotor validate"]);
+    let after = format!(
+        "{}\n\nExit codes: 0 done; 1 the analysis did not succeed (no convergence, out of tolerance); 2 bad input or usage.",
+        shown(&examples)
+    );
+    let of = |(place, analysis): (usize, Analysis)| {
+        let entry = entry(analysis);
+        RunArguments::augment_args(clap::Command::new(analysis.name()))
+            .about(entry.about)
+            .long_about(None::<&str>)
+            .after_help(shown(entry.examples))
+            .display_order(place)
+    };
+    let others = |command: clap::Command| command.display_order(Analysis::all().count());
+    Arguments::command()
+        .after_help(after)
+        .mut_subcommands(others)
+        .subcommands(Analysis::all().enumerate().map(of))
 }
 
-/// The set of vector instructions of that name, if this processor has it.
-fn instructions(name: &str) -> std::result::Result<Instructions, String> {
-    let available: Vec<&str> =
-        Instructions::NAMED.into_iter().filter(|set| set.are_available()).map(Instructions::name).collect();
-    let found = Instructions::from_name(name).filter(|set| set.are_available());
-    found.ok_or_else(|| format!("this processor has {}", available.join(", ")))
-}
-
-#[derive(Args)]
-struct ValidateArguments {
-    /// Case files [default: every .json in cases/]
-    cases: Vec<PathBuf>,
-    /// Print only what is out of tolerance
-    #[arg(long)]
-    quiet: bool,
+/// Command lines in a help text.
+fn shown(examples: &[&str]) -> String {
+    format!("Examples:\n  {}", examples.join("\n  "))
 }
 
 /// Runs the program on the process' arguments.
 pub fn main() -> ExitCode {
-    let outcome = match Arguments::command().try_get_matches() {
-        Ok(matches) => Arguments::from_arg_matches(&matches)
-            .map_err(|e| Error::Usage(e.to_string()))
-            .and_then(|arguments| execute(&arguments.command)),
+    let outcome = match command_line().try_get_matches() {
+        Ok(matches) => execute(&matches),
         Err(e) => usage(&e),
     };
     match outcome {
@@ -147,19 +112,25 @@ fn usage(message: &clap::Error) -> Result<ExitCode> {
     }
 }
 
-fn execute(command: &Command) -> Result<ExitCode> {
-    match command {
-        Command::Check(arguments) => analyse(arguments, Analysis::Check),
-        Command::Modes(arguments) => analyse(arguments, Analysis::Modes),
-        Command::Campbell(arguments) => analyse(arguments, Analysis::Campbell),
-        Command::Static(arguments) => analyse(arguments, Analysis::Static),
-        Command::Spinup(arguments) => analyse(arguments, Analysis::Spinup),
-        Command::Contact(arguments) => analyse(arguments, Analysis::Contact),
-        Command::Tradeoff(arguments) => tradeoff::tradeoff(arguments),
-        Command::Matrices(arguments) => write_matrices(arguments),
-        Command::Validate(arguments) => validate_cases(arguments),
+fn execute(matches: &clap::ArgMatches) -> Result<ExitCode> {
+    let unread = |e: clap::Error| Error::Usage(e.to_string());
+    if let Some((name, of)) = matches.subcommand()
+        && let Some(analysis) = Analysis::from_name(name)
+    {
+        return analyse(&RunArguments::from_arg_matches(of).map_err(unread)?, analysis);
+    }
+    match Arguments::from_arg_matches(matches).map_err(unread)?.command {
+        Command::Tradeoff(arguments) => tradeoff::tradeoff(&arguments),
+        Command::Matrices(arguments) => matrices::write_matrices(&arguments),
+        Command::Validate(arguments) => validate::validate_cases(&arguments),
         Command::Schema => {
             print(&json::text(&schema()))?;
+            Ok(ExitCode::SUCCESS)
+        }
+        Command::Completions { shell } => {
+            let mut text = Vec::new();
+            clap_complete::generate(shell, &mut command_line(), "rotor", &mut text);
+            print(&String::from_utf8_lossy(&text))?;
             Ok(ExitCode::SUCCESS)
         }
     }
@@ -210,50 +181,6 @@ fn beside(folder: &Path, case: &Path) -> PathBuf {
     folder.with_file_name(name)
 }
 
-fn load(arguments: &RunArguments, analysis: &str) -> Result<(LoadedCase, PathBuf)> {
-    let loaded = Case::load(&arguments.case, &arguments.set)?;
-    let folder = folder(arguments.out.as_ref(), &arguments.case);
-    files::check_folder(&folder)?;
-    respect(&folder, arguments.out.is_some(), &arguments.case, analysis, arguments.quiet)?;
-    if let Some(set) = arguments.instructions {
-        set.narrow_process();
-    }
-    if let Some(threads) = arguments.threads {
-        // fails only when a pool exists already, which then has the right size
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
-    }
-    Ok((loaded, folder))
-}
-
-fn analyse(arguments: &RunArguments, analysis: Analysis) -> Result<ExitCode> {
-    let start = Instant::now();
-    let (loaded, folder) = load(arguments, analysis.name())?;
-    let bar = progress_bar(analysis, run::steps(&loaded, analysis)?, arguments.quiet);
-    let (stop, noticed) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
-    if matches!(analysis, Analysis::Spinup | Analysis::Contact) {
-        stop_on_interrupt(&stop, Some(&noticed))?;
-    }
-    let watch = |share: f64, line: &str| {
-        bar.set_position((share * run::TICKS as f64) as u64);
-        bar.set_message(line.to_owned());
-        let stopped = stop.load(Ordering::Relaxed);
-        noticed.fetch_or(stopped, Ordering::Relaxed);
-        !stopped
-    };
-    let finished = run::run(&loaded, analysis, !arguments.no_plots, &|done| bar.inc(done as u64), &watch)?;
-    bar.finish_and_clear();
-    let mut pending = vec![(format!("{}.json", analysis.name()), json::text(&finished.json))];
-    pending.extend(finished.plots);
-    let set = files::Set {
-        analysis: analysis.name(),
-        case: &arguments.case,
-        files: pending,
-        cost: cost(start, finished.cost),
-    };
-    let paths = files::write_set(&folder, set)?;
-    conclude(&finished.table, &finished.diagnostics, &paths, arguments.quiet)
-}
-
 /// The first interrupt ends the run with what is done, the second one at once; so does time, where the run is in a part
 /// that has nothing to report yet and does not notice.
 fn stop_on_interrupt(stop: &Arc<AtomicBool>, noticed: Option<&Arc<AtomicBool>>) -> Result<()> {
@@ -292,22 +219,6 @@ fn written_paths(paths: &[PathBuf]) -> String {
     shown.map(|path| format!("wrote {}\n", path.display())).collect()
 }
 
-fn progress_bar(analysis: Analysis, steps: usize, quiet: bool) -> ProgressBar {
-    if steps == 0 || quiet || !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::with_draw_target(Some(steps as u64), ProgressDrawTarget::stderr());
-    let template = match analysis {
-        Analysis::Spinup => "spinup [{bar:30}] {percent} %, {msg}, {eta} left",
-        Analysis::Contact => "contact [{bar:30}] {percent} %, {msg}, {eta} left",
-        _ => "campbell [{bar:40}] {pos}/{len} speeds, {eta} left",
-    };
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style.progress_chars("=> "));
-    }
-    bar
-}
-
 /// Wall time and peak memory of this run; kept beside the report, not in it, so that reports repeat.
 fn cost(start: Instant, phases: Option<serde_json::Value>) -> serde_json::Value {
     let peak = std::fs::read_to_string("/proc/self/status").ok().and_then(|status| {
@@ -320,84 +231,4 @@ fn cost(start: Instant, phases: Option<serde_json::Value>) -> serde_json::Value 
         "threads": rayon::current_num_threads(),
         "phases": phases,
     })
-}
-
-fn write_matrices(arguments: &RunArguments) -> Result<ExitCode> {
-    let start = Instant::now();
-    let (loaded, folder) = load(arguments, "matrices")?;
-    let model = Model::new(&loaded)?;
-    let (rows, list) = matrices(&model);
-    let mut pending: Vec<(String, String)> = list
-        .iter()
-        .map(|m| (format!("{}.mtx", m.name), matrix_market::text(m, &loaded.case.title)))
-        .collect();
-    pending.push((
-        "matrices.json".to_owned(),
-        json::text(&matrix_market::sidecar(&rows, &list, &loaded.sha256)),
-    ));
-    let set =
-        files::Set { analysis: "matrices", case: &arguments.case, files: pending, cost: cost(start, None) };
-    let paths = files::write_set(&folder, set)?;
-    if !arguments.quiet {
-        print(&format!("{} unknowns, unconstrained, physical units\n{}", rows.len(), written_paths(&paths)))?;
-    }
-    Ok(ExitCode::SUCCESS)
-}
-
-fn validate_cases(arguments: &ValidateArguments) -> Result<ExitCode> {
-    let cases = if arguments.cases.is_empty() { all_cases()? } else { arguments.cases.clone() };
-    let (mut total, mut out) = (0, 0);
-    for path in &cases {
-        let loaded = Case::load(path, &[])?;
-        let comparisons = validate(&loaded)?;
-        total += comparisons.len();
-        let failed = comparisons.iter().filter(|c| !c.holds()).count();
-        out += failed;
-        if !arguments.quiet || failed > 0 {
-            let shown: Vec<&Comparison> =
-                comparisons.iter().filter(|c| !arguments.quiet || !c.holds()).collect();
-            print(&format!("{}\n{}\n", path.display(), comparison_table(&shown)))?;
-        }
-    }
-    print(&format!("{} of {total} values within tolerance, {} cases\n", total - out, cases.len()))?;
-    Ok(ExitCode::from(u8::from(out > 0)))
-}
-
-fn all_cases() -> Result<Vec<PathBuf>> {
-    let folder = Path::new("cases");
-    let entries =
-        std::fs::read_dir(folder).map_err(|e| Error::io(folder, "read this folder of cases", &e))?;
-    let mut paths: Vec<PathBuf> = entries
-        .filter_map(|entry| entry.ok().map(|e| e.path()))
-        .filter(|path| path.extension().is_some_and(|e| e == "json"))
-        .collect();
-    paths.sort();
-    Ok(paths)
-}
-
-fn comparison_table(comparisons: &[&Comparison]) -> String {
-    if comparisons.is_empty() {
-        return "  nothing expected\n".to_owned();
-    }
-    // small values in powers of ten: a growth of micrometres has digits too
-    let number = |value: Option<f64>| match value {
-        None => "-".to_owned(),
-        Some(v) if v != 0.0 && v.abs() < 0.1 => format!("{v:.6e}"),
-        Some(v) => format!("{v:.6}"),
-    };
-    let rows: Vec<Vec<String>> = comparisons
-        .iter()
-        .map(|c| {
-            vec![
-                if c.holds() { "ok" } else { "OUT" }.to_owned(),
-                number(c.ours),
-                number(Some(c.reference)),
-                c.error().map_or("-".to_owned(), |e| format!("{e:.1e}")),
-                format!("{:.1e}", c.tolerance),
-                number(c.published),
-                format!("{} {} ({})", c.analysis, c.path, c.source),
-            ]
-        })
-        .collect();
-    table::columns(&["", "ours", "reference", "error", "tolerance", "published", "value (source)"], &rows)
 }

@@ -10,7 +10,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontStyle, FontTransform, IntoFont, RGBAColor, RGBColor, ShapeStyle, TextStyle};
 
 use crate::error::{Error, Result};
-use crate::results::{CaseInfo, Diagnostic, Level, ModelSummary, Whirl};
+use crate::results::{CaseInfo, Diagnostic, Level, ModelSummary, Whirl, listed};
 
 /// Backend units per logical pixel.
 pub const SCALE: f64 = 8.0;
@@ -756,9 +756,9 @@ pub fn model_words(model: &ModelSummary) -> String {
         model.degrees_of_freedom,
         significant(model.mass_kg, 4)
     );
-    for (name, items) in [("Modelled", &model.modelled), ("Left out", &model.left_out)] {
+    for (name, items) in [("Modelled", listed(&model.modelled)), ("Left out", listed(&model.left_out))] {
         if !items.is_empty() {
-            words += &format!(" {name}: {}.", items.join("; "));
+            words += &format!(" {name}: {}.", items);
         }
     }
     words

@@ -2,12 +2,14 @@
 //! Units are in the field names; `None` stands for "not defined here" (JSON null), never NaN.
 
 mod contact;
+mod effects;
 mod forces;
 mod rub_contact;
 mod spinup;
 mod tradeoff;
 
 pub use contact::*;
+pub use effects::*;
 pub use forces::*;
 pub use rub_contact::*;
 use serde::Serialize;
@@ -55,9 +57,9 @@ pub struct ModelSummary {
     /// Mass of shaft and disks.
     pub mass_kg: f64,
     /// Effects that are part of this run.
-    pub modelled: Vec<String>,
+    pub modelled: Vec<Modelled>,
     /// Effects that were left out, each with the reason.
-    pub left_out: Vec<String>,
+    pub left_out: Vec<LeftOut>,
     /// Estimate of the relative error that the section functions of automatically chosen elements leave.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimated_error: Option<f64>,

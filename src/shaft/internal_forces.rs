@@ -8,7 +8,7 @@ use crate::element::kernel::simd::Scratch;
 use crate::element::polynomial::NonlinearElement;
 use crate::element::ring::RingElement;
 use crate::element::structural_3333s::{AXIAL_POINTS, StructuralElement};
-use crate::error::{Error, Result};
+use crate::error::{Refusal, Result};
 use crate::linalg::sparse::Sparse;
 use crate::model::{Element, Law, Model};
 use crate::shaft::assembly::Assembly;
@@ -41,23 +41,22 @@ impl ElementForces {
             return Ok(Self::Continuum(Box::new(element.with_instructions(model.instructions))));
         }
         if material.stiffness_damping != 0.0 {
-            return Err(Error::Case {
-                path: format!("materials.{}.damping.stiffness", model.names.materials[e.material]),
-                problem: "3333s has no stiffness damping in nonlinear analyses: its Kelvin-Voigt stress belongs to strains of \
-                          points, which its law does not use"
-                    .to_owned(),
-                allowed: "0; or an element 34X1 .. 34X5 or 3333c".to_owned(),
-            });
+            return Err(Refusal::at(
+                format!("materials.{}.damping.stiffness", model.names.materials[e.material]),
+                "3333s has no stiffness damping in nonlinear analyses: its Kelvin-Voigt stress belongs to strains of \
+                 points, which its law does not use",
+                "0; or an element 34X1 .. 34X5 or 3333c",
+            )
+            .into());
         }
         let points = quadrature.axial.unwrap_or(AXIAL_POINTS);
         if points < 3 {
-            return Err(Error::Case {
-                path: "shaft.quadrature.axial".to_owned(),
-                problem:
-                    "3333s needs more Gauss points along an element: fewer than 3 leave zero-energy modes"
-                        .to_owned(),
-                allowed: "3 to 20, or \"exact\"".to_owned(),
-            });
+            return Err(Refusal::at(
+                "shaft.quadrature.axial",
+                "3333s needs more Gauss points along an element: fewer than 3 leave zero-energy modes",
+                "3 to 20, or \"exact\"",
+            )
+            .into());
         }
         Ok(Self::Structural(StructuralElement::new(section, material, e.length, r, points)))
     }

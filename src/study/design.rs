@@ -1,7 +1,7 @@
 //! Cost against error over a grid of settings: the points of the grid, the errors, the front, the choice. It takes
 //! points that someone has measured; it runs nothing.
 
-use crate::case::Grid;
+use crate::case::{Analysis, Grid};
 use crate::results::{
     Diagnostic, Machine, Tradeoff, TradeoffChoice, TradeoffPoint, TradeoffReference, Trust,
 };
@@ -78,12 +78,12 @@ impl Axis {
     }
 
     /// What can be refined in an analysis, quadrature aside, which is exact unless a case asks for less.
-    fn all_of(analysis: &str, transient: bool) -> Vec<Self> {
+    fn all_of(analysis: Analysis, transient: bool) -> Vec<Self> {
         let mut list = vec![Self::Mesh, Self::Order];
         if transient {
             list.push(Self::Tolerance);
         }
-        if analysis == "campbell" {
+        if analysis == Analysis::Campbell {
             list.push(Self::Reduction);
         }
         list
@@ -137,7 +137,7 @@ pub enum Reference {
 #[derive(Debug, Clone)]
 pub struct Subject {
     /// Analysis of every point.
-    pub analysis: &'static str,
+    pub analysis: Analysis,
     /// The quantity, by its place in the report.
     pub quantity: String,
     /// Where the times were taken.
@@ -425,7 +425,7 @@ pub fn tradeoff(subject: &Subject, measured: &[Measured]) -> (Tradeoff, Vec<Diag
     let fit = |target: f64| reference.error.is_none_or(|error| error <= SHARE * target * (1.0 + 1e-9));
     let choice = subject.target.filter(|t| fit(*t)).and_then(|target| choose(&points, target, &refinable));
     let results = Tradeoff {
-        analysis: subject.analysis,
+        analysis: subject.analysis.name(),
         quantity: subject.quantity.clone(),
         machine: subject.machine.clone(),
         repeats: subject.repeats,

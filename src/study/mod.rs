@@ -8,13 +8,13 @@ mod process;
 mod store;
 
 use crate::analysis::{Outcome, check, contact};
-use crate::case::{LoadedCase, StudyAnalysis, Tradeoff, shown};
-use crate::error::{Error, Result};
+use crate::case::{Analysis, CaseKind, LoadedCase, Tradeoff, shown};
+use crate::error::{Error, Refusal, Result};
 use crate::model::Model;
 use crate::model::scene::Scene;
 use crate::plot;
 use crate::report::table;
-use crate::results::{Machine, ModelSummary};
+use crate::results::{LeftOut, Machine, ModelSummary, Modelled};
 use crate::run::{self, Finished};
 use crate::study::design::{Measured, Reference, Settings, Subject};
 use crate::validate::filter_name;
@@ -94,15 +94,17 @@ pub fn plan(loaded: &LoadedCase) -> Result<Plan> {
         return Err(loaded.fault("tradeoff.grid", problem, format!("at most {MOST_POINTS} points")));
     }
     let analysis = block.analysis.name();
-    if run::is_scene(loaded) != (block.analysis == StudyAnalysis::Contact) {
-        let problem =
-            if run::is_scene(loaded) { "the case is a contact scene" } else { "the case is a shaft" };
-        let allowed = if run::is_scene(loaded) {
-            "\"contact\""
-        } else {
-            "\"modes\", \"campbell\", \"static\", \"spinup\""
+    let entry = run::entry(block.analysis);
+    let kind = loaded.case.kind();
+    let fits = |entry: &run::Entry| !entry.result_keys.is_empty() && entry.kinds.contains(&kind);
+    if !fits(entry) {
+        let problem = match kind {
+            CaseKind::Scene => "the case is a contact scene",
+            CaseKind::Shaft => "the case is a shaft",
         };
-        return Err(loaded.fault("tradeoff.analysis", problem, allowed));
+        let allowed = Analysis::all().map(run::entry).filter(|entry| fits(entry));
+        let allowed: Vec<String> = allowed.map(|entry| format!("\"{}\"", entry.analysis.name())).collect();
+        return Err(loaded.fault("tradeoff.analysis", problem, allowed.join(", ")));
     }
     if !block.quantity.path().starts_with("results.") {
         return Err(loaded.fault(
@@ -112,7 +114,7 @@ pub fn plan(loaded: &LoadedCase) -> Result<Plan> {
         ));
     }
     let key = block.quantity.path().split('.').nth(1).unwrap_or_default();
-    let keys = block.analysis.result_keys();
+    let keys = entry.result_keys;
     if !keys.contains(&key) {
         return Err(loaded.fault(
             "tradeoff.quantity",
@@ -125,7 +127,7 @@ pub fn plan(loaded: &LoadedCase) -> Result<Plan> {
     let mut points = Vec::new();
     let mut unfit = Unfit::default();
     for settings in design::expand(&block.grid) {
-        let changed = with(loaded, analysis, &settings)?;
+        let changed = with(loaded, block.analysis, &settings)?;
         unfit.look(&changed, &settings);
         let mut case = changed.value;
         if let Value::Object(map) = &mut case {
@@ -158,7 +160,7 @@ fn missing_block(loaded: &LoadedCase) -> Error {
 }
 
 /// The case with the settings of a point.
-fn with(loaded: &LoadedCase, analysis: &str, settings: &Settings) -> Result<LoadedCase> {
+fn with(loaded: &LoadedCase, analysis: Analysis, settings: &Settings) -> Result<LoadedCase> {
     for (path, value) in settings {
         if let Some(why) = without_effect(path, analysis) {
             return Err(grid_fault(loaded, path, value, why, "paths of what the analysis computes with"));
@@ -192,7 +194,11 @@ struct Unfit {
 impl Unfit {
     /// Builds the model of a point, which costs nothing beside its run.
     fn look(&mut self, case: &LoadedCase, settings: &Settings) {
-        let built = if run::is_scene(case) { Scene::new(case).map(drop) } else { Model::new(case).map(drop) };
+        let built = if case.case.kind() == CaseKind::Scene {
+            Scene::new(case).map(drop)
+        } else {
+            Model::new(case).map(drop)
+        };
         let refusal = built.err();
         for (path, value) in settings {
             match self.values.iter_mut().find(|(p, v, _)| p == path && v == value) {
@@ -241,14 +247,14 @@ fn written_out(loaded: &LoadedCase, settings: &Settings) -> Result<Settings> {
 }
 
 /// Why a setting would change nothing that the analysis computes, if so.
-fn without_effect(path: &str, analysis: &str) -> Option<&'static str> {
+fn without_effect(path: &str, analysis: Analysis) -> Option<&'static str> {
     let head = path.split('.').next().unwrap_or_default();
-    let linear = ["modes", "campbell"].contains(&analysis);
+    let linear = run::entry(analysis).linear;
     match head {
         "title" | "description" | "source" | "expected" | "tradeoff" => {
             Some("it changes nothing that is computed")
         }
-        "modes" | "campbell" | "static" | "spinup" | "contact" if head != analysis => {
+        head if Analysis::from_name(head).is_some_and(|other| other != analysis) => {
             Some("it belongs to another analysis than the study's")
         }
         "shaft" if linear && path.starts_with("shaft.quadrature") => {
@@ -260,19 +266,17 @@ fn without_effect(path: &str, analysis: &str) -> Option<&'static str> {
 }
 
 fn grid_fault(loaded: &LoadedCase, path: &str, value: &Value, problem: &str, allowed: &str) -> Error {
-    Error::Input {
-        file: loaded.file.clone(),
-        path: shown(&format!("tradeoff.grid.{path}")),
-        value: value.to_string(),
-        problem: problem.to_owned(),
-        allowed: allowed.to_owned(),
-    }
+    Error::Refused(Refusal {
+        file: Some(loaded.file.clone()),
+        found: Some(value.to_string()),
+        ..Refusal::at(shown(&format!("tradeoff.grid.{path}")), problem, allowed)
+    })
 }
 
 /// A fault that a value of the grid makes, told at its place in the grid.
 fn in_grid(loaded: &LoadedCase, path: &str, value: &Value, error: Error) -> Error {
     match error {
-        Error::Input { path: inner, problem, allowed, .. } => {
+        Error::Refused(Refusal { path: inner, problem, allowed, .. }) => {
             let problem = if inner == path { problem } else { format!("{problem} (at `{inner}`)") };
             grid_fault(loaded, path, value, &problem, &allowed)
         }
@@ -291,11 +295,10 @@ fn reference(loaded: &LoadedCase, block: &Tradeoff) -> Result<Reference> {
         Wanted::Finest => return Ok(Reference::Finest),
         Wanted::Value(value) => Reference::Number(value),
         Wanted::Expected => {
-            let analysis = block.analysis.name();
-            let default = if loaded.case.campbell.is_some() { "campbell" } else { "modes" };
+            let analysis = block.analysis;
             let fits = loaded.case.expected.iter().filter(|e| {
                 e.set.is_none()
-                    && e.analysis.as_deref().unwrap_or(default) == analysis
+                    && e.analysis.unwrap_or_else(|| loaded.case.default_analysis()) == analysis
                     && e.path == block.quantity.path()
                     && e.filter.as_ref() == block.quantity.filter()
             });
@@ -304,7 +307,7 @@ fn reference(loaded: &LoadedCase, block: &Tradeoff) -> Result<Reference> {
             match numbers.as_slice() {
                 [] => {
                     return fault(
-                        format!("the case expects no number of {analysis} for that quantity"),
+                        format!("the case expects no number of {} for that quantity", analysis.name()),
                         "an entry of `expected` with the same analysis, path and where, one number and no `set`; or a number",
                     );
                 }
@@ -426,7 +429,7 @@ pub fn measure(
 
 /// Size and content of the case as it stands.
 fn case_summary(loaded: &LoadedCase) -> Result<ModelSummary> {
-    if run::is_scene(loaded) {
+    if loaded.case.kind() == CaseKind::Scene {
         return Ok(contact::check(&Scene::new(loaded)?)?.model);
     }
     Ok(check::check(&Model::new(loaded)?)?.model)
@@ -466,7 +469,7 @@ pub fn finish(
         Some(filter) => block.quantity.path().replacen('*', &filter_name(filter, 0), 1),
     };
     let subject = Subject {
-        analysis: block.analysis.name(),
+        analysis: block.analysis,
         quantity,
         machine: plan.machine.clone(),
         repeats: block.repeats,
@@ -480,9 +483,12 @@ pub fn finish(
     // what the studied analysis models, as its runs said it
     let points = measured.points.iter().filter_map(|m| m.outcome.as_ref().ok());
     if let Some(found) = points.max_by_key(|found| found.degrees_of_freedom) {
-        (model.modelled, model.left_out) = (found.modelled.clone(), found.left_out.clone());
+        model.modelled = found.modelled.iter().cloned().map(Modelled::Told).collect();
+        model.left_out = found.left_out.iter().cloned().map(LeftOut::Told).collect();
     }
-    model.modelled.push(format!("{} settings run with {}", results.points.len(), subject.analysis));
+    model
+        .modelled
+        .push(Modelled::Study { settings: results.points.len(), analysis: subject.analysis.name() });
     let report = run::report(loaded, Outcome { results, model, diagnostics });
     let svg =
         if plots { vec![("tradeoff.svg".to_owned(), plot::tradeoff::svg(&report)?)] } else { Vec::new() };

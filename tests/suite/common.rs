@@ -2,7 +2,7 @@
 
 use rotor::case::{Case, LoadedCase};
 use rotor::model::Model;
-use rotor::run::{Analysis, run};
+use rotor::run::{Analysis, Host, run};
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -58,8 +58,8 @@ pub fn report(case: &LoadedCase, analysis: Analysis) -> Arc<OnceLock<Kept>> {
     let key = format!("{} {} {}", case.file, analysis.name(), case.value);
     let place = Arc::clone(KEPT.lock().expect("reports").entry(key).or_default());
     place.get_or_init(|| {
-        let finished =
-            run(case, analysis, true, &|_| (), &|_, _| true).unwrap_or_else(|e| panic!("{}: {e}", case.file));
+        let finished = run(case, analysis, &Host { plots: true, ..Host::silent() })
+            .unwrap_or_else(|e| panic!("{}: {e}", case.file));
         Kept { json: finished.json, plots: finished.plots }
     });
     place

@@ -292,7 +292,7 @@ fn every_fault_names_path_value_and_remedy() {
             "expected",
             json!([{ "analysis": "statics", "path": "x", "value": 1, "rtol": 1, "source": "s" }]),
             "expected.0.analysis",
-            &["no such analysis", "static"],
+            &["unknown word", "did you mean \"static\"?"],
         ),
     ];
     for (place, value, path, words) in table {
@@ -345,10 +345,10 @@ fn rotors_that_do_not_fit_a_frame_are_refused() {
     let refused = |set: &[(&str, Value)]| {
         let model = changed(set).unwrap_or_else(|e| panic!("{e}"));
         let settings = model.campbell.as_ref().unwrap();
-        let refusal = rotor::analysis::campbell::remarks::refusal(&model, settings);
+        let refusal = rotor::analysis::campbell::remarks::fits(&model, settings).err();
         let failed = rotor::analysis::campbell::campbell(&model, settings, &|_| ()).is_err();
         assert_eq!(failed, refusal.is_some(), "{set:?}");
-        refusal.map(|r| (r.path, format!("{} {}", r.reason, r.remedy)))
+        refusal.map(|r| (r.path, format!("{} {}", r.problem, r.allowed)))
     };
     let frame = |f: &str| ("campbell.frame", json!(f));
     type Row<'a> = (&'a [(&'a str, Value)], &'a str, &'a str);
@@ -659,12 +659,12 @@ fn paths_have_a_bounded_number_of_steps() {
 /// What an analysis refuses about the model names its own place, value and what is allowed.
 #[test]
 fn refusals_of_analyses_name_their_place() {
-    use rotor::run::{Analysis, run};
+    use rotor::run::{Analysis, Host, run};
     let refused = |set: &[(&str, Value)], analysis| {
         let overrides: Map<String, Value> =
             set.iter().map(|(path, v)| (path.to_string(), v.clone())).collect();
         let loaded = LoadedCase::from_value("bad.json", valid()).unwrap().with(&overrides).unwrap();
-        let error = run(&loaded, analysis, false, &|_| (), &|_, _| true).unwrap_err();
+        let error = run(&loaded, analysis, &Host::silent()).unwrap_err();
         assert_eq!(error.exit_code(), 2, "{error}");
         error.to_string()
     };

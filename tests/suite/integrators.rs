@@ -221,11 +221,11 @@ fn adams_refuses_fixed_steps_and_turning_masses() {
     assert!(error.exit_code() == 2 && text.contains("spinup.step") && text.contains("rtol"), "{text}");
     let refusal = |set: Value| {
         let model = model(&with(&soft(json!({ "spinup.integrator": "adams" })), set));
-        rotor::analysis::spinup::refusal(&model, model.spinup.as_ref().expect("spinup"))
+        rotor::analysis::spinup::fits(&model, model.spinup.as_ref().expect("spinup")).err()
     };
     let plane = json!({ "spinup.frame": "inertial", "supports.1.section": "plane" });
     let refused = refusal(plane).expect("a plane section turns the mass matrix");
-    assert!(refused.path == "spinup.integrator" && refused.remedy.contains("rotating"), "{refused:?}");
+    assert!(refused.path == "spinup.integrator" && refused.allowed.contains("rotating"), "{refused:?}");
     assert_eq!(refusal(json!({ "spinup.frame": "inertial" })), None);
     assert_eq!(refusal(json!({ "spinup.frame": "rotating", "supports.1.section": "plane" })), None);
     // undriven, a plane section keeps to fixed directions

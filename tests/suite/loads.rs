@@ -1,7 +1,7 @@
 //! Loads on shafts that bend far, twist far and turn: against closed forms, and their derivatives.
 
 use crate::common::{fieldtest, model, shaft, with};
-use rotor::analysis::spinup::{refusal, spinup};
+use rotor::analysis::spinup::{fits, spinup};
 use rotor::analysis::statics::statics;
 use rotor::case::LoadedCase;
 use rotor::results::{Spinup, Static};
@@ -333,10 +333,10 @@ fn loads_that_do_not_fit_a_turning_shaft_are_refused() {
             "spinup": { "drive": [{ "until": 0.5, "speed": 100 }], "until": 1.0 }
         });
         let model = model(&shaft(json!({ "shape": "circle", "radius": 0.05 }), 1.0, 2, more));
-        refusal(&model, model.spinup.as_ref().expect("spinup"))
+        fits(&model, model.spinup.as_ref().expect("spinup")).err()
     };
     let half = case(json!({ "surface": "top", "traction": [0, -1e5, 0] })).expect("refused");
-    assert!(half.path == "loads.0.traction" && half.remedy.contains("follower"));
+    assert!(half.path == "loads.0.traction" && half.allowed.contains("follower"));
     let dead = case(json!({ "at": 1, "moment": [0, 0, 50], "dead": true })).expect("refused");
     assert_eq!(dead.path, "loads.0.dead");
     assert!(case(json!({ "surface": "rim", "pressure": 1e5, "dead": true })).is_some());

@@ -8,7 +8,7 @@ use rotor::analysis::spinup::spinup;
 use rotor::case::{Case, LoadedCase};
 use rotor::instructions::Instructions;
 use rotor::results::Spinup;
-use rotor::run::{Analysis, run};
+use rotor::run::{Analysis, Host, run};
 use serde_json::{Value, json};
 
 /// What rounding may change in a report: numbers, and how an iteration went.
@@ -50,7 +50,7 @@ fn same_words(path: &str, a: &Value, b: &Value) {
 }
 
 fn report(case: &LoadedCase, analysis: Analysis) -> Value {
-    run(case, analysis, false, &|_| (), &|_, _| true).unwrap_or_else(|e| panic!("{}: {e}", case.file)).json
+    run(case, analysis, &Host::silent()).unwrap_or_else(|e| panic!("{}: {e}", case.file)).json
 }
 
 /// Labels, names, counts, senses, kinds, codes: the same for every case when its inputs move by a few units in the last place.
@@ -90,7 +90,7 @@ fn words_of_nonlinear_analyses_survive_rounding_of_the_inputs() {
         }
         let steady = with(&loaded, json!({ "spinup.steady": true }));
         let what = format!("{} steady", path.display());
-        let attempt = |case: &LoadedCase| run(case, Analysis::Spinup, false, &|_| (), &|_, _| true);
+        let attempt = |case: &LoadedCase| run(case, Analysis::Spinup, &Host::silent());
         match (attempt(&steady), attempt(&shaken(&steady, 7 + k as u64))) {
             (Ok(a), Ok(b)) => same_words(&what, &a.json, &b.json),
             (Err(a), Err(b)) => assert_eq!(a.exit_code(), b.exit_code(), "{what}"),

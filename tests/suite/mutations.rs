@@ -14,7 +14,7 @@ use rotor::analysis::mass_properties::properties;
 use rotor::case::{Case, LoadedCase};
 use rotor::model::Model;
 use rotor::model::scene::Scene;
-use rotor::run::{Analysis, run};
+use rotor::run::{Analysis, Host, run};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::LazyLock;
@@ -246,7 +246,7 @@ proptest! {
             // a transient is ended after some steps
             let calls = AtomicUsize::new(0);
             let watch = |_: f64, _: &str| calls.fetch_add(1, Ordering::Relaxed) < 50;
-            if let Err(error) = run(&loaded, analysis, true, &|_| {}, &watch) {
+            if let Err(error) = run(&loaded, analysis, &Host { plots: true, progress: &|_| (), watch: &watch }) {
                 assert!([1, 2].contains(&error.exit_code()) && !error.to_string().contains("NaN"), "{error}: {text}");
             }
         }
@@ -285,7 +285,7 @@ proptest! {
         let calls = AtomicUsize::new(0);
         let watch = |_: f64, _: &str| calls.fetch_add(1, Ordering::Relaxed) < 3;
         let started = Instant::now();
-        match run(&loaded, Analysis::Contact, true, &|_| {}, &watch) {
+        match run(&loaded, Analysis::Contact, &Host { plots: true, progress: &|_| (), watch: &watch }) {
             Ok(finished) => assert!(!finished.json.to_string().contains("NaN"), "{text}"),
             Err(error) => {
                 assert!([1, 2].contains(&error.exit_code()) && !error.to_string().contains("NaN"), "{error}: {text}");

@@ -4,7 +4,7 @@ use crate::common::{case_files, shaft, with};
 use rotor::analysis::plausibility::plausibility;
 use rotor::case::{Case, LoadedCase};
 use rotor::model::Model;
-use rotor::run::{Analysis, run};
+use rotor::run::{Analysis, Host, run};
 use serde_json::{Value, json};
 
 fn rotor() -> LoadedCase {
@@ -71,7 +71,7 @@ fn every_analysis_tells_its_doubts() {
     let case = with(&rotor(), json!({ "materials.m.rho": 7.85 }));
     for analysis in [Analysis::Check, Analysis::Modes, Analysis::Campbell, Analysis::Static, Analysis::Spinup]
     {
-        let finished = run(&case, analysis, false, &|_| (), &|_, _| true).unwrap_or_else(|e| panic!("{e}"));
+        let finished = run(&case, analysis, &Host::silent()).unwrap_or_else(|e| panic!("{e}"));
         let told = finished.diagnostics.iter().filter(|d| d.code == "implausible").count();
         assert_eq!(told, 1, "{}: {:?}", analysis.name(), finished.diagnostics);
         assert!(finished.table.contains("7.85 g/cm^3") && finished.json.to_string().contains("implausible"));

@@ -81,7 +81,7 @@ fn do_not_overlap(labels: &[Label]) {
 /// The figures of statics and spin-up, of real runs: names, units, what they must show.
 #[test]
 fn figures_of_statics_and_spin_up_are_complete() {
-    use rotor::run::{Analysis, run};
+    use rotor::run::{Analysis, Host, run};
     type Figure<'a> = (&'a str, &'a [&'a str]);
     let wanted: [(&str, Analysis, &[Figure<'_>]); 4] = [
         (
@@ -125,7 +125,7 @@ fn figures_of_statics_and_spin_up_are_complete() {
     for (stem, analysis, figures) in wanted {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("cases/{stem}.json"));
         let case = rotor::case::Case::load(&path, &[]).unwrap();
-        let finished = run(&case, analysis, true, &|_| (), &|_, _| true).unwrap();
+        let finished = run(&case, analysis, &Host { plots: true, ..Host::silent() }).unwrap();
         for (name, words) in figures {
             let svg = &finished.plots.iter().find(|(file, _)| file == name).unwrap().1;
             let labels = labels(svg);
@@ -139,9 +139,9 @@ fn figures_of_statics_and_spin_up_are_complete() {
 }
 
 fn of_scene(stem: &str, settings: serde_json::Value) -> Vec<(String, Vec<Label>)> {
-    use rotor::run::{Analysis, run};
+    use rotor::run::{Analysis, Host, run};
     let case = crate::common::with(&crate::common::case(stem), serde_json::json!({ "contact": settings }));
-    let finished = run(&case, Analysis::Contact, true, &|_| (), &|_, _| true).unwrap();
+    let finished = run(&case, Analysis::Contact, &Host { plots: true, ..Host::silent() }).unwrap();
     finished.plots.into_iter().map(|(name, svg)| (name, labels(&svg))).collect()
 }
 
@@ -413,7 +413,7 @@ fn study(members: usize, meshes: usize, crowded: bool, target: Option<f64>) -> R
         }
     }
     let subject = Subject {
-        analysis: "spinup",
+        analysis: rotor::run::Analysis::Spinup,
         quantity: "results.final.growth_m.0".to_owned(),
         machine: Machine { processor: "A processor".to_owned(), cores: 2 },
         repeats: 3,

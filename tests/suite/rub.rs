@@ -9,8 +9,8 @@ use rotor::case::LoadedCase;
 use rotor::integrate::implicit::Scheme;
 use rotor::integrate::{Method, Moment, Settings, integrate};
 use rotor::model::Frame;
-use rotor::results::{RubContact, RubEventKind, Spinup, StatorSummary};
-use rotor::run::{Analysis, run as whole};
+use rotor::results::{Modelled, RubContact, RubEventKind, Spinup, StatorSummary};
+use rotor::run::{Analysis, Host, run as whole};
 use rotor::shaft::assembly::Assembly;
 use rotor::shaft::drive::Drive;
 use rotor::shaft::motion::Dynamics;
@@ -175,7 +175,7 @@ fn an_unbalanced_rotor_rubs_as_the_closed_form_says() {
             assert!((stator.first_contact_s.expect("contact") - 0.7558).abs() < 5e-3, "{stator:?}");
             assert!(stator.longest_contact_s > 2.0 && stator.contact_time_s >= stator.longest_contact_s);
             assert!(stator.largest_normal_force_n > *normal && stator.smallest_gap_m < d - radius);
-            assert!(outcome.model.modelled.iter().any(|m| m.starts_with("rub at the ring at 0.2 m")));
+            assert!(outcome.model.modelled.contains(&Modelled::Rub(0.2)));
         }
     }
 }
@@ -339,7 +339,7 @@ fn a_ring_that_is_never_near_costs_and_changes_nothing() {
         };
         let far = bouncing(with_set(json!({ "spinup.stators.0.clearance": 0.05 })));
         let finished = |case: &LoadedCase| {
-            whole(case, Analysis::Spinup, false, &|_| (), &|_, _| true).unwrap_or_else(|e| panic!("{e}")).json
+            whole(case, Analysis::Spinup, &Host::silent()).unwrap_or_else(|e| panic!("{e}")).json
         };
         let mut with_ring = finished(&far);
         let without = finished(&with(&bouncing(with_set(json!({}))), json!({ "spinup.stators": [] })));
@@ -694,8 +694,7 @@ fn bad_rings_are_refused_with_their_path() {
                 error.to_string()
             }
             Ok(case) => {
-                let error =
-                    whole(&case, Analysis::Spinup, false, &|_| (), &|_, _| true).expect_err("refused");
+                let error = whole(&case, Analysis::Spinup, &Host::silent()).expect_err("refused");
                 assert_eq!(error.exit_code(), 2, "{set}: {error}");
                 error.to_string()
             }

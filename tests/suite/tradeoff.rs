@@ -2,7 +2,7 @@
 
 use crate::common::shaft;
 use rotor::case::Grid;
-use rotor::error::Error;
+use rotor::error::{Error, Refusal};
 use rotor::results::{Diagnostic, Machine, Tradeoff, Trust};
 use rotor::study;
 use rotor::study::design::{
@@ -39,7 +39,7 @@ fn failed(element: &str, elements: u64) -> Measured {
 
 fn judged(points: &[Measured], reference: Reference, target: Option<f64>) -> (Tradeoff, Vec<Diagnostic>) {
     let subject = Subject {
-        analysis: "modes",
+        analysis: rotor::run::Analysis::Modes,
         quantity: "results.x".to_owned(),
         machine: Machine::default(),
         repeats: 1,
@@ -295,7 +295,7 @@ fn faults_of_the_block_are_told_with_their_path() {
         let found = rotor::case::LoadedCase::from_value("bad.json", case).and_then(|c| study::plan(&c));
         let error = found.err().unwrap_or_else(|| panic!("{path} is accepted"));
         assert_eq!(error.exit_code(), 2);
-        let Error::Input { path: told, .. } = &error else { panic!("{error}") };
+        let Error::Refused(Refusal { path: told, .. }) = &error else { panic!("{error}") };
         assert!(
             told == path || (told.starts_with("tradeoff.quantity") && path.starts_with(told)),
             "{told}: {error}"

@@ -17,15 +17,16 @@ mod unstable_ranges;
 mod whirl_solver;
 
 use crate::accuracy::locking_and_rounding::{refuse_dependent, refuse_tiny_bore};
+use crate::analysis::Counter;
 use crate::analysis::campbell::branches::mostly;
 use crate::analysis::campbell::operators::Operators;
 use crate::analysis::campbell::reduced_basis::{Reduced, Solution, Whirling};
-use crate::analysis::campbell::remarks::{describe_model, offset_remark, refusal, speed_remarks};
+use crate::analysis::campbell::remarks::{describe_model, fits, offset_remark, speed_remarks};
 use crate::analysis::campbell::spin_stiffening::{Stiffening, burst, burst_of};
 use crate::analysis::campbell::synchronous::Criticals;
 use crate::analysis::character::Character;
 use crate::analysis::{Outcome, ignored_input, model_remarks, summary};
-use crate::error::{Error, Result};
+use crate::error::{Refusal, Result};
 use crate::linalg::factor::Ldlt;
 use crate::linalg::sparse::combine;
 use crate::model::{CampbellSettings, Form, Gyroscopic, Model, WhirlFrame};
@@ -45,9 +46,6 @@ const ACCEPTED: f64 = 1e-4;
 /// Share of the basis used for static corrections.
 const CORRECTED: f64 = 0.4;
 
-/// Progress of a sweep: called with the number of speeds done.
-pub type Progress<'a> = &'a (dyn Fn(usize) + Sync);
-
 /// Sweeps the spin speed and solves for critical speeds.
 ///
 /// # Errors
@@ -56,16 +54,10 @@ pub type Progress<'a> = &'a (dyn Fn(usize) + Sync);
 pub fn campbell(
     model: &Model,
     settings: &CampbellSettings,
-    progress: Progress<'_>,
+    progress: Counter<'_>,
 ) -> Result<Outcome<Campbell>> {
     let mut diagnostics = ignored_input(model);
-    if let Some(refused) = refusal(model, settings) {
-        return Err(Error::Case {
-            path: refused.path.to_owned(),
-            problem: refused.reason.to_owned(),
-            allowed: refused.remedy.to_owned(),
-        });
-    }
+    fits(model, settings)?;
     refuse_dependent(model)?;
     if settings.form == Form::Consistent && settings.speeds.iter().any(|s| *s > 0.0) {
         refuse_tiny_bore(model)?;
@@ -160,25 +152,21 @@ fn refuse_supports(assembly: &Assembly<'_>, spectrum: &Spectrum, settings: &Camp
         |axes: &[&str]| spectrum.rigid_names.iter().find(|n| axes.iter().any(|axis| n.contains(axis)));
     let across = ["along y", "along z", "about y", "about z"];
     if let (WhirlFrame::Rotating, Some(motion)) = (settings.frame, rigid(&across)) {
-        return Err(Error::Case {
-            path: "campbell.frame".to_owned(),
-            problem: format!(
-                "the rotating frame needs a rotor that is held across its axis, but nothing resists {motion}"
-            ),
-            allowed: "\"stationary\"; or more bearings".to_owned(),
-        });
+        let problem = format!(
+            "the rotating frame needs a rotor that is held across its axis, but nothing resists {motion}"
+        );
+        return Err(Refusal::at("campbell.frame", problem, "\"stationary\"; or more bearings").into());
     }
     if settings.form == Form::Consistent && rigid(&["about x"]).is_some() && assembly.holds_stretch_one_way()
     {
-        return Err(Error::Case {
-            path: "supports".to_owned(),
-            problem: "a support holds the stretch of a section in a direction fixed in space while the shaft is free to \
-                      turn: spinning, it would press against that support unevenly"
-                .to_owned(),
-            allowed: "a support of a kind (revolute, cylindrical, pinned, roller, bearing), one that holds all in-plane \
-                      components alike, or \"form\": \"classical\""
-                .to_owned(),
-        });
+        return Err(Refusal::at(
+            "supports",
+            "a support holds the stretch of a section in a direction fixed in space while the shaft is free to turn: \
+             spinning, it would press against that support unevenly",
+            "a support of a kind (revolute, cylindrical, pinned, roller, bearing), one that holds all in-plane \
+             components alike, or \"form\": \"classical\"",
+        )
+        .into());
     }
     Ok(())
 }
@@ -284,7 +272,7 @@ impl Solver<'_> {
     }
 
     /// The motions at every speed.
-    fn sweep(&self, progress: Progress<'_>) -> Result<Vec<Solution>> {
+    fn sweep(&self, progress: Counter<'_>) -> Result<Vec<Solution>> {
         let speeds = &self.speeds;
         if !self.operators.depends_on_speed() {
             let solution = self.solve(speeds[0])?;

@@ -2,23 +2,16 @@
 
 use crate::analysis::campbell::operators::Operators;
 use crate::analysis::campbell::unstable_ranges::{BEYOND, NOT_OSCILLATING};
+use crate::error::Refusal;
 use crate::model::{Bearing, CampbellSettings, Form, Gyroscopic, Law, Model, SupportKind, WhirlFrame};
-use crate::results::{Diagnostic, ModelSummary, UnstableRange};
+use crate::results::{Diagnostic, LeftOut, ModelSummary, Modelled, UnstableRange};
 
-/// A case that a frame or form does not fit.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Refusal {
-    /// JSON path of what does not fit.
-    pub path: String,
-    /// Why.
-    pub reason: &'static str,
-    /// What would.
-    pub remedy: &'static str,
-}
-
-/// Why a rotor cannot be analysed in the frame and form of the settings, if so.
-pub fn refusal(model: &Model, settings: &CampbellSettings) -> Option<Refusal> {
-    let refused = |path: &str, reason, remedy| Some(Refusal { path: path.to_owned(), reason, remedy });
+/// Whether a rotor can be analysed in the frame and form of the settings.
+///
+/// # Errors
+/// Why not, and what would fit.
+pub fn fits(model: &Model, settings: &CampbellSettings) -> Result<(), Refusal> {
+    let refused = |path, problem, remedy| Err(Refusal::at(path, problem, remedy));
     let spins = settings.speeds.iter().any(|s| *s > 0.0) && settings.gyroscopic != Gyroscopic::None;
     let round = model.sections.iter().all(|s| s.is_axisymmetric());
     let even = is_isotropic(model);
@@ -49,7 +42,7 @@ pub fn refusal(model: &Model, settings: &CampbellSettings) -> Option<Refusal> {
             "a support is not isotropic: seen from the rotating frame it changes with the angle",
             "\"stationary\", or bearings with [[k, c], [-c, k]] and supports that hold r.y and r.z alike",
         ),
-        _ => None,
+        _ => Ok(()),
     }
 }
 
@@ -124,41 +117,35 @@ pub fn describe_model(
     let offset = model.disks.iter().any(|d| d.offset != [0.0, 0.0]);
     match (settings.gyroscopic, spins, operators.gyroscopic.is_some()) {
         (_, true, _) if operators.is_rotating() => {
-            summary.modelled.push("Coriolis terms of shaft and disks (rotating frame)".to_owned());
+            summary.modelled.push(Modelled::CoriolisTerms);
         }
-        (Gyroscopic::All, true, _) => summary.modelled.push("gyroscopic terms of shaft and disks".to_owned()),
-        (Gyroscopic::Disks, true, true) => summary.modelled.push("gyroscopic terms of the disks".to_owned()),
-        _ => summary.left_out.push("gyroscopic terms".to_owned()),
+        (Gyroscopic::All, true, _) => summary.modelled.push(Modelled::GyroscopicTerms),
+        (Gyroscopic::Disks, true, true) => summary.modelled.push(Modelled::GyroscopicTermsOfDisks),
+        _ => summary.left_out.push(LeftOut::GyroscopicTerms),
     }
     match settings.form {
         Form::Classical => {
-            summary.left_out.push("centrifugal stiffening and spin softening: classical form".to_owned());
+            summary.left_out.push(LeftOut::SpinStiffening);
         }
         Form::Consistent => {
-            summary.modelled.push(
-                "centrifugal stiffening (tangent at the spinning equilibrium) and spin softening".to_owned(),
-            );
+            summary.modelled.push(Modelled::SpinStiffening);
             if offset {
-                summary.left_out.push(
-                    "the bend that offset disks cause: the equilibrium is that of the balanced rotor"
-                        .to_owned(),
-                );
+                summary.left_out.push(LeftOut::BendOfOffsets);
             }
         }
     }
     if operators.damping.is_some() {
-        summary.modelled.push("damping of bearings and material".to_owned());
+        summary.modelled.push(Modelled::Damping);
     } else {
-        summary.left_out.push("damping: none given".to_owned());
+        summary.left_out.push(LeftOut::Damping);
     }
     if operators.cross_coupling.is_some() {
-        summary.modelled.push("cross-coupled bearing stiffness".to_owned());
+        summary.modelled.push(Modelled::CrossCoupling);
     }
     if operators.circulatory.is_some() {
-        summary.modelled.push("circulatory forces of rotating damping".to_owned());
+        summary.modelled.push(Modelled::CirculatoryForces);
     }
     if offset {
-        let how = if operators.is_rotating() { "exact" } else { "approximate" };
-        summary.modelled.push(format!("disk offset in the mass matrix ({how})"));
+        summary.modelled.push(Modelled::DiskOffset { exact: operators.is_rotating() });
     }
 }

@@ -82,7 +82,7 @@ impl<'a> Equilibrium<'a> {
 
     /// Loads in steps, each cut in halves where Newton's method does not converge. `watch` sees the share of the loads and stops
     /// by false.
-    pub fn solve(mut self, watch: crate::analysis::contact::Watch<'_>) -> (State, Detector) {
+    pub fn solve(mut self, watch: crate::analysis::Watch<'_>) -> (State, Detector) {
         let mut q = self.bodies.reference().to_vec();
         let step = 1.0 / self.bodies.scene.contact.load_steps as f64;
         let (mut factor, mut size) = (0.0, step);

@@ -6,9 +6,10 @@ mod motion;
 mod recorder;
 
 use crate::analysis::Outcome;
+use crate::analysis::Watch;
 use crate::error::Result;
 use crate::model::scene::{Action, ContactSettings, Enforcement, Scene, Stepping, Unused};
-use crate::results::{BodyState, Contact, Diagnostic, ModelSummary, PairState};
+use crate::results::{BodyState, Contact, Diagnostic, LeftOut, ModelSummary, Modelled, PairState};
 use crate::scene::bodies::{Bodies, assemblies};
 use crate::scene::penalty::Spring;
 use crate::scene::planar::probes::{Counts, Key, Search};
@@ -18,9 +19,6 @@ use equilibrium::Equilibrium;
 use motion::Motion;
 use recorder::{Recorder, due, kind, pairs, views};
 use std::time::Instant;
-
-/// Called with the share of the run that is done and a line on where it is; false stops the run.
-pub type Watch<'a> = &'a (dyn Fn(f64, &str) -> bool + Sync);
 
 /// Overlap at the start that is rounding, over the height.
 const TOUCHING: f64 = 1e-6;
@@ -235,7 +233,7 @@ fn moving(bodies: &Bodies<'_>, until: f64, watch: Watch<'_>) -> Result<Outcome<C
     motion.cost.search_s = motion.search.counts.seconds;
     let mut model = summary(bodies);
     if stats.gaps == 0 && settings.method != Enforcement::None {
-        model.left_out.push("contact forces: nothing came near, no gap was measured".to_owned());
+        model.left_out.push(LeftOut::ContactForces);
     }
     let results = Contact {
         method: settings.method.name(),
@@ -386,57 +384,50 @@ fn body_states(bodies: &Bodies<'_>, q: &[f64]) -> Vec<BodyState> {
 /// What a scene models and leaves out.
 fn summary(bodies: &Bodies<'_>) -> ModelSummary {
     let scene = bodies.scene;
-    let mut names: Vec<&str> = scene.bodies.iter().map(|b| b.element.as_str()).collect();
+    let mut names: Vec<String> = scene.bodies.iter().map(|b| b.element.clone()).collect();
     names.dedup();
-    let mut modelled = vec!["finite displacements".to_owned(), format!("elements {}", names.join(", "))];
+    let mut modelled = vec![Modelled::FiniteDisplacementsOfBodies, Modelled::Elements(names)];
     let mut left_out = Vec::new();
     let contact = match scene.contact.method {
-        Enforcement::Penalty => {
-            format!("contact by penalty, {:.4e} N/m^3 along lines", scene.largest_penalty())
-        }
-        Enforcement::Lcp => {
-            "contact by complementarity at nodes and corners, all contacts of a step together".to_owned()
-        }
-        Enforcement::LcpSingle => {
-            "contact by scalar complementarity, one contact of a step: for comparison".to_owned()
-        }
-        Enforcement::ActiveSet => "contact by a primal-dual active set at nodes and corners".to_owned(),
-        Enforcement::None => String::new(),
+        Enforcement::Penalty => Some(Modelled::PenaltyContact(scene.largest_penalty())),
+        Enforcement::Lcp => Some(Modelled::Complementarity),
+        Enforcement::LcpSingle => Some(Modelled::ScalarComplementarity),
+        Enforcement::ActiveSet => Some(Modelled::ActiveSet),
+        Enforcement::None => None,
     };
-    if contact.is_empty() {
-        left_out.push("contact: switched off (contact.method none), nothing is looked for".to_owned());
-    } else {
+    if let Some(contact) = contact {
         modelled.push(contact);
-        left_out.push("friction: contact acts along the normal only".to_owned());
+        left_out.push(LeftOut::Friction);
         if !scene.is_planar() {
-            left_out.push("ends of bodies: their lateral surfaces meet".to_owned());
+            left_out.push(LeftOut::EndsOfBodies);
         }
         if !scene.contact.with_itself {
-            left_out.push("contact of a body with itself: contact.self is false".to_owned());
+            left_out.push(LeftOut::SelfContact);
         }
+    } else {
+        left_out.push(LeftOut::Contact);
     }
     if bodies.has_gravity() {
-        modelled.push("gravity".to_owned());
+        modelled.push(Modelled::Gravity);
     } else {
-        left_out.push("gravity: none given".to_owned());
+        left_out.push(LeftOut::Gravity);
     }
     let loads: Vec<Action> = scene.bodies.iter().flat_map(|b| &b.loads).map(|l| l.action).collect();
     if loads.is_empty() {
-        left_out.push("loads: none given".to_owned());
+        left_out.push(LeftOut::Loads);
     } else {
         let pressures = loads.iter().filter(|a| matches!(a, Action::Pressure(..))).count();
-        modelled.push(format!("{} loads, {pressures} follower pressures among them", loads.len()));
+        modelled.push(Modelled::BodyLoads { count: loads.len(), pressures });
     }
     match scene.contact.until {
-        Some(until) => modelled.push(format!(
-            "inertia; {} steps of {:.4e} s",
-            match scene.contact.stepping {
+        Some(until) => modelled.push(Modelled::Steps {
+            integrator: match scene.contact.stepping {
                 Stepping::EnergyConsistent => "energy-consistent midpoint",
                 Stepping::SemiImplicit => "semi-implicit Euler",
             },
-            steps(&scene.contact, until).1
-        )),
-        None => left_out.push("inertia and damping: an equilibrium".to_owned()),
+            step_s: steps(&scene.contact, until).1,
+        }),
+        None => left_out.push(LeftOut::MotionOfBodies),
     }
     ModelSummary {
         degrees_of_freedom: bodies.free().len(),

@@ -10,8 +10,8 @@ use crate::accuracy::coarse_bending::bending_remark;
 use crate::accuracy::locking_and_rounding::{refuse_dependent, refuse_tiny_bore, slow_remark};
 use crate::accuracy::pressure_stress::pressure_remarks;
 use crate::accuracy::radial_growth::{basis_error, closed_form};
+use crate::analysis::Watch;
 use crate::analysis::campbell::campbell;
-use crate::analysis::campbell::remarks::Refusal;
 use crate::analysis::equilibrium::{Balance, Equilibrium, NewtonSettings};
 use crate::analysis::probes::{
     Centre, displacement, element_at, growth_in, largest_strain, probe_states, profile,
@@ -22,7 +22,7 @@ use crate::analysis::spinup::rub_recorder::RubRecorder;
 use crate::analysis::statics::{hub_remark, newton_summary, pinned_remark, strain_remark};
 use crate::analysis::stations::{Station, growth_along, headline, section_growth};
 use crate::analysis::{Outcome, model_remarks, nonlinear_summary, quadrature_name};
-use crate::error::{Error, Result};
+use crate::error::{Error, Refusal, Result};
 use crate::integrate::implicit::Scheme;
 use crate::integrate::{self, Flows, Method, Moment, Progress, Settings, Step};
 use crate::linalg::factor::Ldlt;
@@ -32,8 +32,8 @@ use crate::model::{
     WhirlFrame,
 };
 use crate::results::{
-    Diagnostic, EnergyBalance, Extremes, History, IntegratorSummary, OrbitSummary, SectionForces, SpinState,
-    Spinup,
+    Diagnostic, EnergyBalance, Extremes, History, IntegratorSummary, LeftOut, ModelSummary, Modelled,
+    OrbitSummary, SectionForces, SpinState, Spinup,
 };
 use crate::section::Surface;
 use crate::section::basis::SectionBasis;
@@ -69,38 +69,38 @@ const TURN: usize = 360;
 const STABILITY_MODES: usize = 12;
 const STABILITY_BASIS: usize = 60;
 
-/// Called with the share of the run that is done and a line on where it is; false stops the run.
-pub type Watch<'a> = &'a (dyn Fn(f64, &str) -> bool + Sync);
-
-/// Why a run-up cannot be integrated with the settings, if so.
+/// Whether a run-up can be integrated with the settings.
 ///
 /// In the inertial frame a driven section turns in its own coordinates; where components across the axis are free
 /// there, as on a plane section, the mass matrix turns with it, and an explicit method would factorise it at each step.
 ///
 /// Loads that hold on to points of the undeformed shaft mean nothing once it turns.
-pub fn refusal(model: &Model, settings: &SpinupSettings) -> Option<Refusal> {
+///
+/// # Errors
+/// Why not, and what would fit.
+pub fn fits(model: &Model, settings: &SpinupSettings) -> std::result::Result<(), Refusal> {
     let dead = model.loads.iter().find(|load| load.reading == Reading::Dead).map(|load| &load.path);
     let dead = dead
         .or_else(|| model.tractions.iter().find(|load| load.reading == Reading::Dead).map(|load| &load.path));
     if let Some(path) = dead {
-        return Some(Refusal {
-            path: format!("{path}.dead"),
-            reason: "a dead moment or pressure holds on to the undeformed shaft and means nothing on a shaft that turns",
-            remedy: "no \"dead\": a moment about axes fixed in space, a pressure on the surface as it is",
-        });
+        return Err(Refusal::at(
+            format!("{path}.dead"),
+            "a dead moment or pressure holds on to the undeformed shaft and means nothing on a shaft that turns",
+            "no \"dead\": a moment about axes fixed in space, a pressure on the surface as it is",
+        ));
     }
     let half = |t: &&Traction| {
         t.reading == Reading::FixedInSpace && matches!(t.surface, Surface::Top | Surface::Bottom)
     };
     if let Some(traction) = model.tractions.iter().find(half) {
-        return Some(Refusal {
-            path: format!("{}.traction", traction.path),
-            reason: "half of the surface turns with the shaft: a traction fixed in space does not stay on it",
-            remedy: "\"follower\": true for a traction that turns with the shaft, or a force in space, or the whole rim",
-        });
+        return Err(Refusal::at(
+            format!("{}.traction", traction.path),
+            "half of the surface turns with the shaft: a traction fixed in space does not stay on it",
+            "\"follower\": true for a traction that turns with the shaft, or a force in space, or the whole rim",
+        ));
     }
     if settings.steady || settings.integrator != Integrator::Adams || settings.frame != Frame::Inertial {
-        return None;
+        return Ok(());
     }
     let model = &model.with_drive(settings);
     let assembly = Assembly::new(model);
@@ -109,11 +109,14 @@ pub fn refusal(model: &Model, settings: &SpinupSettings) -> Option<Refusal> {
         let start = range.start;
         assembly.free_among(range).into_iter().any(|i| !(i - start).is_multiple_of(3))
     };
-    (0..model.nodes.len()).any(|node| drives(model, node) && across(node)).then_some(Refusal {
-        path: "spinup.integrator".to_owned(),
-        reason: "in the inertial frame a driven plane section turns the mass matrix, which the explicit method needs constant",
-        remedy: "\"section\": \"rigid\" on the driven supports, \"frame\": \"rotating\", or an implicit integrator",
-    })
+    if (0..model.nodes.len()).any(|node| drives(model, node) && across(node)) {
+        return Err(Refusal::at(
+            "spinup.integrator",
+            "in the inertial frame a driven plane section turns the mass matrix, which the explicit method needs constant",
+            "\"section\": \"rigid\" on the driven supports, \"frame\": \"rotating\", or an implicit integrator",
+        ));
+    }
+    Ok(())
 }
 
 /// Runs the shaft up to speed.
@@ -122,6 +125,7 @@ pub fn refusal(model: &Model, settings: &SpinupSettings) -> Option<Refusal> {
 /// No equilibrium at the highest speed, an integration that fails, or a model that the frame or the integrator
 /// can't treat.
 pub fn spinup(model: &Model, settings: &SpinupSettings, watch: Watch<'_>) -> Result<Outcome<Spinup>> {
+    fits(model, settings)?;
     let model = &model.with_drive(settings);
     let drive = Drive::of(settings);
     let fastest = settings.largest_speed();
@@ -237,7 +241,7 @@ fn steady(
             return Err(no_steady_state(speed, &state));
         }
         pinned_remark(&balance, &mut diagnostics);
-        summary.modelled.push("centrifugal load, co-rotating equilibrium".to_owned());
+        summary.modelled.push(Modelled::CentrifugalLoad);
         let q = balance.coordinates(&state.z);
         let (reader, acting) = (ForceReader::new(assembly), balance.acting(&state.z, 1.0));
         bending_remark(assembly, &q, &mut diagnostics);
@@ -260,21 +264,16 @@ fn steady(
         let balance = Balance::new(assembly, Which::ConstantInTurningFrame, speed)?;
         let start = balance.solve(NEWTON, None).ok().filter(|state| state.load_factor == 1.0);
         let orbit = orbit::periodic(assembly, speed, start.map(|state| state.z))?;
-        summary.modelled.push(format!(
-            "what is fixed in space, in a periodic motion of {} harmonics (harmonic balance, truncation {:.1e})",
-            orbit.harmonics, orbit.truncation
-        ));
+        let (harmonics, truncation) = (orbit.harmonics, orbit.truncation);
+        summary.modelled.push(Modelled::PeriodicMotion { harmonics, truncation });
         one_turn(assembly, settings, speed, &orbit)?
     };
     clear_remark(&results.last, &mut diagnostics);
     strain_remark(results.last.largest_strain, &mut diagnostics);
     if assembly.has_material_damping() || model.bearings.iter().any(|b| b.damping != [[0.0; 2]; 2]) {
-        summary.modelled.push("damping of bearings, of space and of the material".to_owned());
+        summary.modelled.push(Modelled::DampingOfMotion);
     }
-    summary.left_out.push(format!(
-        "time: the {} at the last speed only",
-        if results.orbit.is_some() { "periodic motion" } else { "equilibrium" }
-    ));
+    summary.left_out.push(LeftOut::Time { periodic: results.orbit.is_some() });
     stability(model, speed, &mut summary, &mut diagnostics);
     Ok(Outcome { results, model: summary, diagnostics })
 }
@@ -374,15 +373,13 @@ fn stability(
                     ),
                 ));
             } else {
-                summary
-                    .modelled
-                    .push("stability of small motions: no root with a positive real part".to_owned());
+                summary.modelled.push(Modelled::StableSmallMotions);
             }
         }
         Err(error) => {
             let reason = error.to_string();
             let first = reason.lines().next().unwrap_or_default();
-            summary.left_out.push(format!("stability of small motions: {first}"));
+            summary.left_out.push(LeftOut::Stability(first.to_owned()));
         }
     }
 }
@@ -521,27 +518,25 @@ fn growth_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
     }
 }
 
-fn summary(model: &Model, assembly: &Assembly<'_>, dynamics: &Dynamics<'_>) -> crate::results::ModelSummary {
+fn summary(model: &Model, assembly: &Assembly<'_>, dynamics: &Dynamics<'_>) -> ModelSummary {
     let mut summary = nonlinear_summary(model, assembly.size());
-    let mut say = |present: bool, what: &str, why: &str| {
+    summary.modelled.push(Modelled::TurningInertia);
+    let offset = model.disks.iter().any(|d| d.offset != [0.0; 2]);
+    let external = model.materials.iter().any(|m| m.mass_damping != 0.0);
+    for (present, modelled, left_out) in [
+        (model.has_gravity(), Modelled::Gravity, LeftOut::Gravity),
+        (model.has_loads(), Modelled::Loads, LeftOut::LoadsOfRunUp),
+        (offset, Modelled::Unbalance, LeftOut::Unbalance),
+        (dynamics.is_viscous(), Modelled::MaterialDamping, LeftOut::MaterialDamping),
+        (external, Modelled::ExternalDamping, LeftOut::ExternalDamping),
+        (dynamics.counts.tangents > 0, Modelled::DeformedTangents, LeftOut::DeformedTangents),
+    ] {
         if present {
-            summary.modelled.push(what.to_owned());
+            summary.modelled.push(modelled);
         } else {
-            summary.left_out.push(format!("{what}: {why}"));
+            summary.left_out.push(left_out);
         }
-    };
-    say(true, "inertia with Coriolis and centrifugal effects, exact", "");
-    say(model.has_gravity(), "gravity", "none given");
-    say(model.has_loads(), if model.has_loads() { "loads" } else { "dead loads" }, "none given");
-    say(model.disks.iter().any(|d| d.offset != [0.0; 2]), "unbalance of disk offsets", "no offsets");
-    say(dynamics.is_viscous(), "material damping (Kelvin-Voigt)", "none given");
-    say(model.materials.iter().any(|m| m.mass_damping != 0.0), "external damping", "none given");
-    let tangents = dynamics.counts.tangents > 0;
-    say(
-        tangents,
-        "tangents of deformed states",
-        "the undeformed shaft's, turned with each section, served the whole run",
-    );
+    }
     summary
 }
 

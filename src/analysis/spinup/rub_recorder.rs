@@ -1,10 +1,12 @@
 //! Record of a rub: gaps and forces at the stators over a run-up, when they touched and how hard.
 
-use crate::error::{Error, Result};
+use crate::error::{Refusal, Result};
 use crate::integrate::Step;
 use crate::model::Stator;
-use crate::results::RubContact;
-use crate::results::{ModelSummary, RubEvent, RubEventKind, RubSummary, StatorHistory, StatorSummary};
+use crate::results::{
+    LeftOut, ModelSummary, Modelled, RubContact, RubEvent, RubEventKind, RubSummary, StatorHistory,
+    StatorSummary,
+};
 use crate::shaft::motion::Dynamics;
 use crate::shaft::stator_ring::Path;
 
@@ -33,14 +35,15 @@ impl RubRecorder {
     pub fn new(stators: &[Stator], until: f64, start: &[RubContact]) -> Result<Self> {
         let overlap = stators.iter().zip(start).find(|(_, contact)| contact.gap < 0.0);
         if let Some((stator, contact)) = overlap {
-            return Err(Error::Case {
-                path: format!("{}.clearance", stator.path),
-                problem: format!(
-                    "the shaft at rest under gravity and loads sags {:e} m there and already penetrates the ring",
-                    stator.clearance - contact.gap
+            let sag = stator.clearance - contact.gap;
+            return Err(Refusal::at(
+                format!("{}.clearance", stator.path),
+                format!(
+                    "the shaft at rest under gravity and loads sags {sag:e} m there and already penetrates the ring"
                 ),
-                allowed: format!("more than {:e} m", stator.clearance - contact.gap),
-            });
+                format!("more than {sag:e} m"),
+            )
+            .into());
         }
         let summary = |(stator, contact): (&Stator, &RubContact)| StatorSummary {
             stator: stator.path.clone(),
@@ -148,19 +151,14 @@ impl RubRecorder {
         model: &mut ModelSummary,
     ) -> (RubSummary, Vec<StatorHistory>) {
         if self.stators.iter().any(|s| s.touched) {
-            model.left_out.retain(|text| !text.starts_with("contact"));
+            model.left_out.retain(|effect| *effect != LeftOut::ContactOfShaft);
         }
         for (stator, since) in self.stators.iter_mut().zip(&self.since) {
             since.iter().for_each(|made| end_contact(stator, end - made));
             if stator.touched {
-                model
-                    .modelled
-                    .push(format!("rub at the ring at {} m: penalty and Coulomb friction", stator.at_m));
+                model.modelled.push(Modelled::Rub(stator.at_m));
             } else {
-                model.left_out.push(format!(
-                    "contact forces of the ring at {} m: the shaft never touched it",
-                    stator.at_m
-                ));
+                model.left_out.push(LeftOut::Ring(stator.at_m));
             }
         }
         let rub = dynamics.rub();

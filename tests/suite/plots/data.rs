@@ -19,10 +19,10 @@ pub fn report<R>(title: &str, results: R) -> Report<R> {
             elements: 16,
             mass_kg: 440.431,
             modelled: ["gyroscopic moments", "shear deformation", "disk inertia", "rigid hub"]
-                .map(str::to_owned)
+                .map(|text| Modelled::Told(text.to_owned()))
                 .to_vec(),
             left_out: ["gravity: ignored by this analysis", "material damping: none given"]
-                .map(str::to_owned)
+                .map(|text| LeftOut::Told(text.to_owned()))
                 .to_vec(),
             estimated_error: None,
         },
