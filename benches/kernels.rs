@@ -2,6 +2,7 @@
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
+use rotor::element::Kernel;
 use rotor::element::kernel::simd::Scratch;
 use rotor::element::polynomial::NonlinearElement;
 use rotor::element::ring::RingElement;

@@ -21,6 +21,34 @@ pub mod structural_3333s;
 use crate::model::{ElementKind, Law, Material};
 use crate::section::Section;
 use faer::Mat;
+use kernel::simd::Scratch;
+
+/// Nonlinear forces of one element, in its own coordinates.
+pub trait Kernel: Send + Sync {
+    /// Number of coordinates.
+    fn size(&self) -> usize;
+
+    /// Internal force `dW/dq` (N for a coordinate that is a length, N m for one that is not), of every coordinate of the state `q`,
+    /// into `force`; returns the strain energy W (J).
+    ///
+    /// With velocities the Kelvin-Voigt stress `beta C : dE/dt` is added to the force (and no energy is returned), if the material
+    /// has one.
+    fn internal_force(
+        &self,
+        q: &[f64],
+        velocity: Option<&[f64]>,
+        force: &mut [f64],
+        scratch: &mut Scratch,
+    ) -> f64;
+
+    /// Tangent `d force/dq`, symmetric, by columns into `tangent` (both triangles).
+    fn tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch);
+
+    /// Derivative of the Kelvin-Voigt force by the velocities, symmetric, by columns into `tangent`.
+    fn viscous_tangent(&self, _: &[f64], tangent: &mut [f64], _: &mut Scratch) {
+        tangent.fill(0.0);
+    }
+}
 
 /// Constant matrices of one element in scaled coordinates, each `3 n_nodes n_vectors` square.
 #[derive(Debug, Clone)]

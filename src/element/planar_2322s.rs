@@ -9,6 +9,8 @@
 //! with `a x b = a_1 b_2 - a_2 b_1`. The first integral takes two Gauss points, the second three Lobatto points (the nodes);
 //! more points lock. Coordinates: node by node `r_x, r_y, b_x, b_y`. Source: docs/theory.md section 13.
 
+use crate::element::Kernel;
+use crate::element::kernel::simd::Scratch;
 use crate::model::scene::PlanarSection;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
@@ -122,43 +124,15 @@ impl PlanarElement {
         self.stations.iter().map(|s| s.weight * self.slope(s.thickness, &s.quantities(q)).0).sum()
     }
 
-    /// Internal force `dU/dq` (N on r, N m on b) into `force`; returns the strain energy U, J.
-    pub fn internal_force(&self, q: &[f64], force: &mut [f64; SIZE]) -> f64 {
-        force.fill(0.0);
-        let mut energy = 0.0;
-        for s in &self.stations {
-            let (density, slope) = self.slope(s.thickness, &s.quantities(q));
-            energy += s.weight * density;
-            s.scatter(&slope, force);
-        }
-        energy
-    }
-
-    /// Tangent `d force/dq`, symmetric, row by row.
-    pub fn tangent(&self, q: &[f64]) -> [[f64; SIZE]; SIZE] {
-        let mut tangent = [[0.0; SIZE]; SIZE];
-        for s in &self.stations {
-            let curvature = self.curvature(s.thickness, &s.quantities(q));
-            s.scatter_matrix(&curvature, &mut tangent);
-        }
-        tangent
-    }
-
     /// Force between two states whose work is exactly the change of the strain energy, `f . (q1 - q0) = U1 - U0`, and, where it
     /// is wanted, its derivative by `q1`: at every station the discrete gradient of Gonzalez (J. Nonlinear Sci. 6, 1996) in the section
     /// quantities v, which translations do not change:
     ///
     /// `psi_v(mid) + a S dv`, `a = (psi_1 - psi_0 - psi_v(mid).dv)/(dv.S dv)`, S giving c its length.
-    pub fn average_force(
-        &self,
-        q0: &[f64],
-        q1: &[f64],
-        force: &mut [f64; SIZE],
-        mut tangent: Option<&mut [[f64; SIZE]; SIZE]>,
-    ) {
+    pub fn average_force(&self, q0: &[f64], q1: &[f64], force: &mut [f64], mut tangent: Option<&mut [f64]>) {
         force.fill(0.0);
         if let Some(tangent) = tangent.as_deref_mut() {
-            *tangent = [[0.0; SIZE]; SIZE];
+            tangent.fill(0.0);
         }
         let radius = self.section.inertia / self.section.mass;
         let scale = Quantities::from([1.0, 1.0, 1.0, 1.0, radius, radius]);
@@ -211,6 +185,31 @@ impl PlanarElement {
     }
 }
 
+impl Kernel for PlanarElement {
+    fn size(&self) -> usize {
+        SIZE
+    }
+
+    fn internal_force(&self, q: &[f64], _: Option<&[f64]>, force: &mut [f64], _: &mut Scratch) -> f64 {
+        force.fill(0.0);
+        let mut energy = 0.0;
+        for s in &self.stations {
+            let (density, slope) = self.slope(s.thickness, &s.quantities(q));
+            energy += s.weight * density;
+            s.scatter(&slope, force);
+        }
+        energy
+    }
+
+    fn tangent(&self, q: &[f64], tangent: &mut [f64], _: &mut Scratch) {
+        tangent.fill(0.0);
+        for s in &self.stations {
+            let curvature = self.curvature(s.thickness, &s.quantities(q));
+            s.scatter_matrix(&curvature, tangent);
+        }
+    }
+}
+
 /// Force on the section vector b of a moment M (N m, counter-clockwise): `M (-b_2, b_1)/|b|^2`.
 pub fn moment_on_vector(moment: f64, b: [f64; 2]) -> [f64; 2] {
     let squared = b[0] * b[0] + b[1] * b[1];
@@ -231,7 +230,7 @@ impl Station {
         v
     }
 
-    fn scatter(&self, slope: &Quantities, force: &mut [f64; SIZE]) {
+    fn scatter(&self, slope: &Quantities, force: &mut [f64]) {
         for i in 0..NODES {
             for c in 0..2 {
                 force[PER_NODE * i + c] += self.weight * self.slopes[i] * slope[c];
@@ -241,8 +240,8 @@ impl Station {
         }
     }
 
-    /// Adds `weight B^T m B`, B being the derivative of the quantities by the coordinates.
-    fn scatter_matrix(&self, m: &Curvature, tangent: &mut [[f64; SIZE]; SIZE]) {
+    /// Adds `weight B^T m B` by columns, B being the derivative of the quantities by the coordinates.
+    fn scatter_matrix(&self, m: &Curvature, tangent: &mut [f64]) {
         // weight B^T m
         let mut left = [[0.0; QUANTITIES]; SIZE];
         for i in 0..NODES {
@@ -254,12 +253,13 @@ impl Station {
                 }
             }
         }
-        for (row, left) in tangent.iter_mut().zip(&left) {
-            for j in 0..NODES {
-                let (value, slope) = (self.values[j], self.slopes[j]);
-                for c in 0..2 {
-                    row[PER_NODE * j + c] += left[c] * slope;
-                    row[PER_NODE * j + 2 + c] += left[2 + c] * value + left[4 + c] * slope;
+        for j in 0..NODES {
+            let (value, slope) = (self.values[j], self.slopes[j]);
+            for c in 0..2 {
+                let place = PER_NODE * j + c;
+                for (row, left) in left.iter().enumerate() {
+                    tangent[SIZE * place + row] += left[c] * slope;
+                    tangent[SIZE * (place + 2) + row] += left[2 + c] * value + left[4 + c] * slope;
                 }
             }
         }

@@ -17,8 +17,10 @@
 //!
 //! The stiffness about that state is integrated exactly. Source: docs/theory.md section 4.
 
+use crate::element::Kernel;
 use crate::element::basis::{AxialProducts, derivative, evaluate, lagrange};
 use crate::element::continuum::lame;
+use crate::element::kernel::simd::Scratch;
 use crate::element::quadrature::gauss;
 use crate::model::Material;
 use crate::section::Section;
@@ -128,13 +130,18 @@ impl StructuralElement {
         }
     }
 
-    /// Number of coordinates.
-    pub fn size(&self) -> usize {
+    /// Strain energy per length, J/m.
+    fn density<T: DualNum<f64> + Copy>(&self, v: &SVector<T, QUANTITIES>) -> T {
+        strains(v).into_iter().zip(self.moduli).map(|(s, modulus)| s * s * (0.5 * modulus)).sum()
+    }
+}
+
+impl Kernel for StructuralElement {
+    fn size(&self) -> usize {
         SIZE
     }
 
-    /// Internal force `dW/dq` (N, one for each scaled coordinate) into `force`; returns the strain energy W (J).
-    pub fn internal_force(&self, q: &[f64], force: &mut [f64]) -> f64 {
+    fn internal_force(&self, q: &[f64], _: Option<&[f64]>, force: &mut [f64], _: &mut Scratch) -> f64 {
         force.fill(0.0);
         let mut energy = 0.0;
         for station in &self.stations {
@@ -152,8 +159,7 @@ impl StructuralElement {
         energy
     }
 
-    /// Tangent `d force / dq` (N/m), symmetric, by columns into `tangent` (both triangles).
-    pub fn tangent(&self, q: &[f64], tangent: &mut [f64]) {
+    fn tangent(&self, q: &[f64], tangent: &mut [f64], _: &mut Scratch) {
         tangent.fill(0.0);
         for station in &self.stations {
             let (_, _, curvature) = hessian(|v| self.density(&v), &quantities(station, q));
@@ -180,11 +186,6 @@ impl StructuralElement {
                 tangent[row * SIZE + column] = tangent[column * SIZE + row];
             }
         }
-    }
-
-    /// Strain energy per length, J/m.
-    fn density<T: DualNum<f64> + Copy>(&self, v: &SVector<T, QUANTITIES>) -> T {
-        strains(v).into_iter().zip(self.moduli).map(|(s, modulus)| s * s * (0.5 * modulus)).sum()
     }
 }
 

@@ -3,7 +3,10 @@
 //! All coordinates stand body by body, node by node, vector by vector; planar vectors have two components, spatial ones three.
 //! Those of held nodes stay as they are, the others are the unknowns. Spatial vectors are scaled as in [`crate::element`].
 
-use crate::element::planar_2322s::{self, PlanarElement, moment_on_vector};
+use crate::element::Kernel;
+use crate::element::kernel::simd::Scratch;
+use crate::element::planar_2322s::{self, PlanarElement, SIZE, moment_on_vector};
+use crate::element::quadrature::gauss;
 use crate::error::Result;
 use crate::linalg::lu::Entries;
 use crate::linalg::sparse::Sparse;
@@ -13,11 +16,11 @@ use crate::shaft::internal_forces::{Forces, ScalarMass, Workspace};
 use faer::sparse::Triplet;
 use nalgebra::{DMatrix, Vector3};
 
-/// Gauss points of a pressure on a face: the integrand is of degree three.
-const PRESSURE_POINTS: [(f64, f64); 2] = [(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)];
+/// Number of Gauss points of a pressure on a face: the integrand is of degree three.
+const PRESSURE_POINTS: usize = 2;
 
 /// Internal forces of a body.
-enum Kernel<'a> {
+enum BodyForces<'a> {
     Planar(Box<PlanarElement>),
     Spatial(Box<Forces<'a>>, ScalarMass),
 }
@@ -27,7 +30,7 @@ struct Part<'a> {
     body: &'a Body,
     first: usize,
     per_node: usize,
-    kernel: Kernel<'a>,
+    forces: BodyForces<'a>,
 }
 
 /// All bodies of a scene.
@@ -75,18 +78,18 @@ impl<'a> Bodies<'a> {
     pub fn new(scene: &'a Scene, assemblies: &'a [Option<Assembly<'a>>]) -> Result<Self> {
         let (mut parts, mut size) = (Vec::new(), 0);
         for (body, assembly) in scene.bodies.iter().zip(assemblies) {
-            let (per_node, kernel) = match (&body.beam, assembly) {
+            let (per_node, forces) = match (&body.beam, assembly) {
                 (Beam::Spatial(model), Some(assembly)) => (
                     3 * model.nodes.first().map_or(0, |n| n.n_vectors()),
-                    Kernel::Spatial(Box::new(Forces::new(assembly)?), ScalarMass::new(model)),
+                    BodyForces::Spatial(Box::new(Forces::new(assembly)?), ScalarMass::new(model)),
                 ),
                 (Beam::Planar(section), _) => {
                     let element = PlanarElement::new(*section, body.length / body.elements as f64);
-                    (planar_2322s::PER_NODE, Kernel::Planar(Box::new(element)))
+                    (planar_2322s::PER_NODE, BodyForces::Planar(Box::new(element)))
                 }
                 (Beam::Spatial(_), None) => continue,
             };
-            parts.push(Part { body, first: size, per_node, kernel });
+            parts.push(Part { body, first: size, per_node, forces });
             size += body.nodes() * per_node;
         }
         let mut held = vec![false; size];
@@ -157,8 +160,8 @@ impl<'a> Bodies<'a> {
                 let at = part.first + node * part.per_node;
                 let along = body.length * node as f64 / end as f64;
                 let place = body.start + body.frame.column(0) * along;
-                match (&part.kernel, &body.beam) {
-                    (Kernel::Spatial(..), Beam::Spatial(model)) => {
+                match (&part.forces, &body.beam) {
+                    (BodyForces::Spatial(..), Beam::Spatial(model)) => {
                         q[at..at + 3].copy_from_slice(place.as_slice());
                         for axis in [1, 2] {
                             let vector = body.frame.column(axis) * model.reference_length;
@@ -228,8 +231,8 @@ impl<'a> Bodies<'a> {
     pub fn mass_times(&self, x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for part in &self.parts {
-            match &part.kernel {
-                Kernel::Planar(element) => {
+            match &part.forces {
+                BodyForces::Planar(element) => {
                     let mass = element.mass();
                     for e in 0..part.body.elements {
                         let at = part.first + 2 * e * planar_2322s::PER_NODE;
@@ -243,7 +246,7 @@ impl<'a> Bodies<'a> {
                         }
                     }
                 }
-                Kernel::Spatial(_, mass) => {
+                BodyForces::Spatial(_, mass) => {
                     let range = part.first..part.first + part.body.nodes() * part.per_node;
                     mass.multiply(&x[range.clone()], &mut y[range]);
                 }
@@ -293,16 +296,16 @@ impl<'a> Bodies<'a> {
         let mut energy = 0.0;
         for part in &self.parts {
             let range = part.first..part.first + part.body.nodes() * part.per_node;
-            match &part.kernel {
-                Kernel::Planar(element) => {
-                    let mut f = [0.0; planar_2322s::SIZE];
+            match &part.forces {
+                BodyForces::Planar(element) => {
+                    let (mut f, scratch) = ([0.0; SIZE], &mut Scratch::default());
                     for e in 0..part.body.elements {
                         let at = part.first + 2 * e * planar_2322s::PER_NODE;
-                        energy += element.internal_force(&q[at..at + planar_2322s::SIZE], &mut f);
-                        force[at..at + planar_2322s::SIZE].iter_mut().zip(f).for_each(|(t, f)| *t += f);
+                        energy += element.internal_force(&q[at..at + SIZE], None, &mut f, scratch);
+                        force[at..at + SIZE].iter_mut().zip(f).for_each(|(t, f)| *t += f);
                     }
                 }
-                Kernel::Spatial(forces, _) => {
+                BodyForces::Spatial(forces, _) => {
                     energy += forces.internal_force(
                         &q[range.clone()],
                         None,
@@ -317,16 +320,17 @@ impl<'a> Bodies<'a> {
 
     /// Adds the tangent `d internal_force/dq`.
     pub fn add_tangent(&self, q: &[f64], entries: &mut Entries) {
+        let mut k = [0.0; SIZE * SIZE];
         for part in &self.parts {
-            match &part.kernel {
-                Kernel::Planar(element) => {
+            match &part.forces {
+                BodyForces::Planar(element) => {
                     for e in 0..part.body.elements {
                         let at = part.first + 2 * e * planar_2322s::PER_NODE;
-                        let k = element.tangent(&q[at..at + planar_2322s::SIZE]);
-                        self.add_square(at, planar_2322s::SIZE, &|i, j| k[i][j], entries);
+                        element.tangent(&q[at..at + SIZE], &mut k, &mut Scratch::default());
+                        self.add_square(at, SIZE, &|i, j| k[SIZE * j + i], entries);
                     }
                 }
-                Kernel::Spatial(forces, _) => {
+                BodyForces::Spatial(forces, _) => {
                     let range = part.first..part.first + part.body.nodes() * part.per_node;
                     for (e, k) in forces.element_tangents(&q[range]).iter().enumerate() {
                         let at = part.first + e * part.body.degree() * part.per_node;
@@ -353,15 +357,17 @@ impl<'a> Bodies<'a> {
     /// `K_e x = w^2 M_e x`, which no assembly of such elements exceeds (Irons and Treharne 1971).
     pub fn fastest_vibration(&self) -> f64 {
         let of_part = |part: &Part<'_>| {
-            let Kernel::Planar(element) = &part.kernel else { return 0.0 };
-            let k = element.tangent(&self.reference[part.first..part.first + planar_2322s::SIZE]);
+            let BodyForces::Planar(element) = &part.forces else { return 0.0 };
+            let mut k = vec![0.0; SIZE * SIZE];
+            let q = &self.reference[part.first..part.first + SIZE];
+            element.tangent(q, &mut k, &mut Scratch::default());
             let mass = element.mass();
             let n = planar_2322s::PER_NODE;
-            let m = DMatrix::from_fn(planar_2322s::SIZE, planar_2322s::SIZE, |i, j| {
+            let m = DMatrix::from_fn(SIZE, SIZE, |i, j| {
                 if i % n == j % n { mass[i / n][j / n][i % n / 2] } else { 0.0 }
             });
             let Some(factor) = m.cholesky() else { return 0.0 };
-            let k = DMatrix::from_fn(planar_2322s::SIZE, planar_2322s::SIZE, |i, j| k[i][j]);
+            let k = DMatrix::from_vec(SIZE, SIZE, k);
             let Some(half) = factor.l().solve_lower_triangular(&k) else { return 0.0 };
             let Some(whole) = factor.l().solve_lower_triangular(&half.transpose()) else { return 0.0 };
             whole.symmetric_eigenvalues().max().max(0.0).sqrt()
@@ -371,15 +377,15 @@ impl<'a> Bodies<'a> {
 
     /// Strain energy of planar bodies, J.
     pub fn strain_energy(&self, q: &[f64]) -> f64 {
-        self.planar_elements().map(|(element, at)| element.energy(&q[at..at + planar_2322s::SIZE])).sum()
+        self.planar_elements().map(|(element, at)| element.energy(&q[at..at + SIZE])).sum()
     }
 
     /// Elements of planar bodies with their first coordinates.
     fn planar_elements(&self) -> impl Iterator<Item = (&PlanarElement, usize)> {
         self.parts.iter().flat_map(|part| {
-            let element = match &part.kernel {
-                Kernel::Planar(element) => Some(&**element),
-                Kernel::Spatial(..) => None,
+            let element = match &part.forces {
+                BodyForces::Planar(element) => Some(&**element),
+                BodyForces::Spatial(..) => None,
             };
             let places = (0..part.body.elements).map(|e| part.first + 2 * e * planar_2322s::PER_NODE);
             element.into_iter().flat_map(move |element| places.clone().map(move |at| (element, at)))
@@ -396,14 +402,14 @@ impl<'a> Bodies<'a> {
         mut entries: Option<&mut Entries>,
     ) {
         force.fill(0.0);
-        let (mut f, mut k) = ([0.0; planar_2322s::SIZE], [[0.0; planar_2322s::SIZE]; planar_2322s::SIZE]);
+        let (mut f, mut k) = ([0.0; SIZE], [0.0; SIZE * SIZE]);
         for (element, at) in self.planar_elements() {
-            let range = at..at + planar_2322s::SIZE;
-            let tangent = entries.is_some().then_some(&mut k);
+            let range = at..at + SIZE;
+            let tangent = entries.is_some().then_some(&mut k[..]);
             element.average_force(&q0[range.clone()], &q1[range.clone()], &mut f, tangent);
             force[range].iter_mut().zip(f).for_each(|(t, f)| *t += f);
             if let Some(entries) = entries.as_deref_mut() {
-                self.add_square(at, planar_2322s::SIZE, &|i, j| k[i][j], entries);
+                self.add_square(at, SIZE, &|i, j| k[SIZE * j + i], entries);
             }
         }
     }
@@ -477,7 +483,7 @@ impl<'a> Bodies<'a> {
         force: &mut [f64],
         mut entries: Option<&mut (&mut Entries, f64)>,
     ) {
-        for (zeta, weight) in PRESSURE_POINTS {
+        for (zeta, weight) in gauss(PRESSURE_POINTS) {
             let (l, d) = (planar_2322s::values(zeta), planar_2322s::slopes(zeta));
             let mut t = Vector3::zeros();
             for (i, point) in curve.iter().enumerate() {

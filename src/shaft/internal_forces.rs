@@ -4,6 +4,7 @@
 //! All coordinates before constraints, `q = q0 + T z` with q0 the undeformed state. Elements are evaluated
 //! in parallel when there are many; sums are taken in one order, so results do not depend on threads.
 
+use crate::element::Kernel;
 use crate::element::kernel::simd::Scratch;
 use crate::element::polynomial::NonlinearElement;
 use crate::element::ring::RingElement;
@@ -22,99 +23,49 @@ const PARALLEL_FORCES: usize = 64;
 /// Elements from which it pays to evaluate tangents in parallel.
 const PARALLEL_TANGENTS: usize = 4;
 
-/// Internal forces of one type of element.
-enum ElementForces {
-    Continuum(Box<NonlinearElement>),
-    Ring(Box<RingElement>),
-    Structural(StructuralElement),
-}
-
-impl ElementForces {
-    fn new(model: &Model, e: &Element) -> Result<Self> {
-        let (section, material) = (&model.sections[e.section], &model.materials[e.material]);
-        let (r, quadrature) = (model.reference_length, model.quadrature);
-        if let Some(element) = RingElement::new(e.kind, section, material, e.length, r, quadrature) {
-            return Ok(Self::Ring(Box::new(element.with_instructions(model.instructions))));
-        }
-        if e.kind.law != Law::Structural {
-            let element = NonlinearElement::new(e.kind, section, material, e.length, r, quadrature);
-            return Ok(Self::Continuum(Box::new(element.with_instructions(model.instructions))));
-        }
-        if material.stiffness_damping != 0.0 {
-            return Err(Refusal::at(
-                format!("materials.{}.damping.stiffness", model.names.materials[e.material]),
-                "3333s has no stiffness damping in nonlinear analyses: its Kelvin-Voigt stress belongs to strains of \
-                 points, which its law does not use",
-                "0; or an element 34X1 .. 34X5 or 3333c",
-            )
-            .into());
-        }
-        let points = quadrature.axial.unwrap_or(AXIAL_POINTS);
-        if points < 3 {
-            return Err(Refusal::at(
-                "shaft.quadrature.axial",
-                "3333s needs more Gauss points along an element: fewer than 3 leave zero-energy modes",
-                "3 to 20, or \"exact\"",
-            )
-            .into());
-        }
-        Ok(Self::Structural(StructuralElement::new(section, material, e.length, r, points)))
+/// The nonlinear forces of an element of a model.
+///
+/// # Errors
+/// What 3333s does not offer.
+fn kernel(model: &Model, e: &Element) -> Result<Box<dyn Kernel>> {
+    let (section, material) = (&model.sections[e.section], &model.materials[e.material]);
+    let (r, quadrature) = (model.reference_length, model.quadrature);
+    if let Some(element) = RingElement::new(e.kind, section, material, e.length, r, quadrature) {
+        return Ok(Box::new(element.with_instructions(model.instructions)));
     }
-
-    fn size(&self) -> usize {
-        match self {
-            Self::Continuum(element) => element.size(),
-            Self::Ring(element) => element.size(),
-            Self::Structural(element) => element.size(),
-        }
+    if e.kind.law != Law::Structural {
+        let element = NonlinearElement::new(e.kind, section, material, e.length, r, quadrature);
+        return Ok(Box::new(element.with_instructions(model.instructions)));
     }
-
-    fn internal_force(
-        &self,
-        q: &[f64],
-        velocity: Option<&[f64]>,
-        force: &mut [f64],
-        scratch: &mut Scratch,
-    ) -> f64 {
-        match self {
-            Self::Continuum(element) => element.internal_force(q, velocity, force, scratch),
-            Self::Ring(element) => element.internal_force(q, velocity, force, scratch),
-            Self::Structural(element) => element.internal_force(q, force),
-        }
+    if material.stiffness_damping != 0.0 {
+        return Err(Refusal::at(
+            format!("materials.{}.damping.stiffness", model.names.materials[e.material]),
+            "3333s has no stiffness damping in nonlinear analyses: its Kelvin-Voigt stress belongs to strains of \
+             points, which its law does not use",
+            "0; or an element 34X1 .. 34X5 or 3333c",
+        )
+        .into());
     }
-
-    fn tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
-        match self {
-            Self::Continuum(element) => element.tangent(q, tangent, scratch),
-            Self::Ring(element) => element.tangent(q, tangent, scratch),
-            Self::Structural(element) => element.tangent(q, tangent),
-        }
+    let points = quadrature.axial.unwrap_or(AXIAL_POINTS);
+    if points < 3 {
+        return Err(Refusal::at(
+            "shaft.quadrature.axial",
+            "3333s needs more Gauss points along an element: fewer than 3 leave zero-energy modes",
+            "3 to 20, or \"exact\"",
+        )
+        .into());
     }
-
-    /// `d (Kelvin-Voigt force) / d velocity`.
-    fn viscous_tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
-        match self {
-            Self::Continuum(element) => {
-                element.material_tangent(q, tangent, scratch);
-                tangent.iter_mut().for_each(|v| *v *= element.viscosity());
-            }
-            Self::Ring(element) => {
-                element.material_tangent(q, tangent, scratch);
-                tangent.iter_mut().for_each(|v| *v *= element.viscosity());
-            }
-            Self::Structural(_) => tangent.fill(0.0),
-        }
-    }
+    Ok(Box::new(StructuralElement::new(section, material, e.length, r, points)))
 }
 
 /// Writes a matrix of an element, by columns, for its coordinates.
-type Evaluate<'a> = &'a (dyn Fn(&ElementForces, &[f64], &mut [f64], &mut Scratch) + Sync);
+type Evaluate<'a> = &'a (dyn Fn(&dyn Kernel, &[f64], &mut [f64], &mut Scratch) + Sync);
 
 /// Elements and hubs of a shaft, ready to be evaluated.
 pub struct Forces<'a> {
     assembly: &'a Assembly<'a>,
     /// Distinct elements.
-    elements: Vec<ElementForces>,
+    elements: Vec<Box<dyn Kernel>>,
     hubs: Hubs,
     /// First coordinate of every node of every element, and coordinates of one node.
     places: Vec<(Vec<usize>, usize)>,
@@ -139,7 +90,7 @@ impl<'a> Forces<'a> {
         let (mut elements, mut places) = (Vec::new(), Vec::new());
         for (i, e) in model.elements.iter().enumerate() {
             if assembly.element_type(i) == elements.len() {
-                elements.push(ElementForces::new(model, e)?);
+                elements.push(kernel(model, e)?);
             }
             let first = (0..=e.kind.axial_degree).map(|i| assembly.numbering.of_element(e, i)).collect();
             places.push((first, 3 * e.kind.n_vectors()));
@@ -247,7 +198,7 @@ impl<'a> Forces<'a> {
             self.gather(e, q, &mut work.q);
             let n = element.size();
             work.force.resize(n * n, 0.0);
-            evaluate(element, &work.q, &mut work.force[..n * n], &mut work.scratch);
+            evaluate(element.as_ref(), &work.q, &mut work.force[..n * n], &mut work.scratch);
             Mat::from_fn(n, n, |i, j| work.force[j * n + i])
         };
         if self.places.len() < PARALLEL_TANGENTS {

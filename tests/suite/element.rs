@@ -3,6 +3,7 @@
 
 use faer::Mat;
 use rotor::element::ElementMatrices;
+use rotor::element::Kernel;
 use rotor::element::basis::{exponents, vector_name};
 use rotor::element::kernel::simd::Scratch;
 use rotor::element::polynomial::NonlinearElement;

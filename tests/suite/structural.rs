@@ -4,6 +4,8 @@ use crate::common::{case, model, with};
 use nalgebra::{Rotation3, Vector3};
 use rotor::analysis::{spinup::spinup, statics::statics};
 use rotor::element::ElementMatrices;
+use rotor::element::Kernel;
+use rotor::element::kernel::simd::Scratch;
 use rotor::element::structural_3333s::{AXIAL_POINTS, StructuralElement};
 use rotor::model::{ElementKind, Law, Material};
 use rotor::section::Section;
@@ -53,13 +55,13 @@ fn turned(vectors: &[f64]) -> Vec<f64> {
 
 fn evaluate(element: &StructuralElement, q: &[f64]) -> (f64, Vec<f64>) {
     let mut force = vec![f64::NAN; SIZE];
-    let energy = element.internal_force(q, &mut force);
+    let energy = element.internal_force(q, None, &mut force, &mut Scratch::default());
     (energy, force)
 }
 
 fn tangent(q: &[f64]) -> Vec<f64> {
     let mut tangent = vec![f64::NAN; SIZE * SIZE];
-    element(AXIAL_POINTS).tangent(q, &mut tangent);
+    element(AXIAL_POINTS).tangent(q, &mut tangent, &mut Scratch::default());
     tangent
 }
 

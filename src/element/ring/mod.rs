@@ -16,6 +16,7 @@
 mod force;
 mod tangent;
 
+use crate::element::Kernel;
 use crate::element::continuum::lame;
 use crate::element::kernel::pair_stiffness::{PAIRS, place};
 use crate::element::kernel::simd::Scratch;
@@ -187,43 +188,6 @@ impl RingElement {
         self
     }
 
-    /// Kelvin-Voigt factor beta of the material, s.
-    pub fn viscosity(&self) -> f64 {
-        self.viscosity
-    }
-
-    /// Number of coordinates.
-    pub fn size(&self) -> usize {
-        3 * self.stations.n_nodes() * self.n_vectors
-    }
-
-    /// Internal force `dW/dq` (N, one for each scaled coordinate) into `force`; returns the strain energy W (J).
-    ///
-    /// With velocities the Kelvin-Voigt stress `beta C : dE/dt` is added to the force (and no energy is returned).
-    pub fn internal_force(
-        &self,
-        q: &[f64],
-        velocity: Option<&[f64]>,
-        force: &mut [f64],
-        scratch: &mut Scratch,
-    ) -> f64 {
-        let velocity = velocity.filter(|_| self.viscosity != 0.0);
-        self.arch.dispatch(Force { element: self, q, velocity, force, scratch })
-    }
-
-    /// Tangent `d force / dq` (N/m), symmetric, by columns into `tangent` (both triangles).
-    pub fn tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
-        self.arch.dispatch(Tangent { element: self, q, geometric: true, scratch });
-        self.tangent.expansion.write(scratch, tangent);
-    }
-
-    /// The part of the tangent that stems from the law alone, without stress: `beta` times it is the derivative of
-    /// the Kelvin-Voigt force by the velocities.
-    pub fn material_tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
-        self.arch.dispatch(Tangent { element: self, q, geometric: false, scratch });
-        self.tangent.expansion.write(scratch, tangent);
-    }
-
     /// Coefficients of F of all directions: powers of s times waves.
     fn coefficients(&self) -> usize {
         self.directions.iter().map(|d| d.count * d.waves()).sum()
@@ -296,6 +260,35 @@ impl RingElement {
                 }
             }
         }
+    }
+}
+
+impl Kernel for RingElement {
+    fn size(&self) -> usize {
+        3 * self.stations.n_nodes() * self.n_vectors
+    }
+
+    fn internal_force(
+        &self,
+        q: &[f64],
+        velocity: Option<&[f64]>,
+        force: &mut [f64],
+        scratch: &mut Scratch,
+    ) -> f64 {
+        let velocity = velocity.filter(|_| self.viscosity != 0.0);
+        self.arch.dispatch(Force { element: self, q, velocity, force, scratch })
+    }
+
+    fn tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
+        self.arch.dispatch(Tangent { element: self, q, geometric: true, scratch });
+        self.tangent.expansion.write(scratch, tangent);
+    }
+
+    // the part of the tangent that stems from the law alone, without stress, times beta
+    fn viscous_tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
+        self.arch.dispatch(Tangent { element: self, q, geometric: false, scratch });
+        self.tangent.expansion.write(scratch, tangent);
+        tangent.iter_mut().for_each(|v| *v *= self.viscosity);
     }
 }
 

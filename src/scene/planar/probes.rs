@@ -7,6 +7,7 @@
 //!
 //! Source: docs/theory.md section 13.
 
+use crate::element::quadrature::gauss;
 use crate::model::scene::{ContactSettings, Enforcement, Face as Place, Scene};
 use crate::scene::bodies::Bodies;
 use crate::scene::gap::Hit;
@@ -18,13 +19,8 @@ use crate::scene::planar::boundary::{
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
-/// Gauss points of an integration segment.
-const GAUSS: [(f64, f64); 4] = [
-    (-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
-    (-0.339_981_043_584_856_3, 0.652_145_154_862_546_1),
-    (0.339_981_043_584_856_3, 0.652_145_154_862_546_1),
-    (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
-];
+/// Number of Gauss points of an integration segment.
+const LINE_POINTS: usize = 4;
 /// Share of a margin that nodes may move before the pairs are looked for again: both curves of a pair may move by 5/4 of it.
 const SPENT: f64 = 0.4;
 /// Margin in heights with which something near is watched.
@@ -193,9 +189,10 @@ impl Search {
         let share = if face.body == target { 0.5 } else { 1.0 };
         let penalty = scene.penalty(face.body, target);
         let per_length = penalty * scene.bodies[face.body].width * share * face.length / 2.0;
+        let points = gauss(LINE_POINTS);
         for pair in bounds.windows(2).filter(|pair| pair[1] > pair[0]) {
             let (middle, half) = ((pair[0] + pair[1]) / 2.0, (pair[1] - pair[0]) / 2.0);
-            for (x, w) in GAUSS {
+            for &(x, w) in &points {
                 list.push(Probe {
                     slave: (index, middle + half * x),
                     target,
