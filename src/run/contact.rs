@@ -46,12 +46,19 @@ fn run(loaded: &LoadedCase, host: &Host<'_>) -> Result<Finished> {
 /// The scene of a case, whose bodies must not overlap at the start.
 pub fn scene_without_overlap(loaded: &LoadedCase) -> Result<Scene> {
     let scene = Scene::new(loaded)?;
-    if let Some(overlap) = overlap(&scene)? {
-        let (a, b) = overlap.bodies;
-        let names = [a, b].map(|i| &scene.bodies[i].name);
-        let problem =
-            format!("`{}` and `{}` overlap by {:.6e} m at the start", names[0], names[1], overlap.depth);
-        return Err(Refusal::at(format!("bodies.{b}.start"), problem, "bodies apart or touching").into());
-    }
+    without_overlap(&scene)?;
     Ok(scene)
+}
+
+/// Refuses bodies that overlap at the start.
+///
+/// # Errors
+/// The pair, and by how much it overlaps.
+pub fn without_overlap(scene: &Scene) -> Result<()> {
+    let Some(overlap) = overlap(scene)? else { return Ok(()) };
+    let (a, b) = overlap.bodies;
+    let names = [a, b].map(|i| &scene.bodies[i].name);
+    let problem =
+        format!("`{}` and `{}` overlap by {:.6e} m at the start", names[0], names[1], overlap.depth);
+    Err(Refusal::at(format!("bodies.{b}.start"), problem, "bodies apart or touching").into())
 }

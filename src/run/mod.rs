@@ -12,6 +12,7 @@ mod spinup;
 mod statics;
 
 pub use crate::case::Analysis;
+pub(crate) use contact::without_overlap;
 
 use crate::analysis::{Counter, Outcome, Watch, plausibility};
 use crate::case::{CaseKind, LoadedCase};

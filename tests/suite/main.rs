@@ -17,6 +17,7 @@ mod disks;
 mod drives;
 mod elastica;
 mod element;
+mod examples;
 mod frames;
 mod golden;
 mod house;
