@@ -2,6 +2,7 @@
 
 use rotor::Rotor;
 
+/// Sweeps and prints.
 pub fn main() -> rotor::Result<()> {
     let mut shaft = Rotor::builder("a disk between two bearings")
         .material("steel", 210e9, 0.3, 7850.0)

@@ -9,6 +9,7 @@
 //! Source: docs/theory.md sections 5, 6.
 
 use crate::error::Result;
+use crate::linalg::dot;
 use crate::linalg::sparse::{Sparse, combine, multiply, symmetric_part};
 use crate::model::{Bearing, Element};
 use crate::shaft::acting::Acting;
@@ -390,9 +391,4 @@ fn spring(bearing: &Bearing, [y, z]: [f64; 2]) -> [f64; 2] {
 /// `J q`, `e_x x` every vector.
 fn cross(q: &[f64]) -> Vec<f64> {
     q.chunks_exact(3).flat_map(|v| [0.0, -v[2], v[1]]).collect()
-}
-
-/// `a . b`.
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -3,13 +3,14 @@
 use crate::accuracy::coarse_bending::bending_remark;
 use crate::accuracy::locking_and_rounding::{refuse_dependent, refuse_tiny_bore};
 use crate::accuracy::pressure_stress::pressure_remarks;
-use crate::analysis::equilibrium::{Balance, Equilibrium, NewtonSettings, dot};
+use crate::analysis::equilibrium::{Balance, Equilibrium, NewtonSettings};
 use crate::analysis::probes::in_rigid_hub;
 use crate::analysis::probes::{axis_displacement, largest_strain, probe_states, profile};
 use crate::analysis::section_forces::ForceReader;
 use crate::analysis::stations::headline;
 use crate::analysis::{Outcome, model_remarks, nonlinear_summary};
 use crate::error::{Error, Result};
+use crate::linalg::dot;
 use crate::model::Model;
 use crate::results::{Diagnostic, LeftOut, Modelled, NewtonSummary, Reaction, Static};
 use crate::shaft::assembly::Assembly;

@@ -10,11 +10,12 @@ use serde::{Deserialize, Serialize};
 /// A beam of a contact scene.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Body {
+#[schemars(rename = "Body")]
+pub struct BodyInput {
     /// Name in reports.
     pub name: String,
     /// 2322s (planar, default), 3333s or 34X3.
-    #[serde(default = "planar")]
+    #[serde(default = "default_body_element")]
     pub element: String,
     /// Length.
     pub length: Length,
@@ -29,32 +30,32 @@ pub struct Body {
     /// Place of its axis at its start; two numbers in the plane, three in space.
     pub start: Vec<Length>,
     /// Direction of its axis, counter-clockwise from x, in the plane of x and y.
-    #[serde(default = "no_angle")]
+    #[serde(default = "default_angle")]
     pub angle: Angle,
     /// 3333s, 34X3: direction of its axis instead of an angle.
     pub direction: Option<[f64; 3]>,
     /// Velocity of the whole body at the start.
     pub velocity: Option<Vec<Velocity>>,
     /// Whether gravity acts on it, default true.
-    #[serde(default = "yes")]
+    #[serde(default = "default_gravity")]
     pub gravity: bool,
     /// What holds it.
     #[serde(default)]
     pub supports: Vec<BodySupport>,
     /// What acts on it.
     #[serde(default)]
-    pub loads: Vec<BodyLoad>,
+    pub loads: Vec<BodyLoadInput>,
 }
 
-fn planar() -> String {
+fn default_body_element() -> String {
     "2322s".to_owned()
 }
 
-fn no_angle() -> Angle {
+fn default_angle() -> Angle {
     Angle(0.0)
 }
 
-fn yes() -> bool {
+fn default_gravity() -> bool {
     true
 }
 
@@ -113,7 +114,8 @@ pub enum BodySupportKind {
 /// A load on a body: force or moment at a place, or pressure on a surface.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct BodyLoad {
+#[schemars(rename = "BodyLoad")]
+pub struct BodyLoadInput {
     /// Position along the body, for force and moment; the nearest node carries it.
     pub at: Option<Length>,
     /// Force, two numbers in the plane, three in space; it keeps its direction.
@@ -172,7 +174,8 @@ pub enum SceneIntegrator {
 /// Settings of the contact analysis.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Contact {
+#[schemars(rename = "Contact")]
+pub struct ContactInput {
     /// Enforcement, default penalty.
     #[serde(default)]
     pub method: ContactMethod,
@@ -181,10 +184,10 @@ pub struct Contact {
     /// Force per penetration at corners, default the penalty times height and width of the body.
     pub point_penalty: Option<Stiffness>,
     /// Integration segments per slave element, default 3; cut further where master elements end.
-    #[serde(default = "three_segments")]
+    #[serde(default = "default_segments")]
     pub segments: u32,
     /// Whether segments are cut where elements of the master end, default true.
-    #[serde(default = "yes")]
+    #[serde(default = "default_gravity")]
     pub cut: bool,
     /// End of the motion; without it the equilibrium under the loads.
     pub until: Option<Time>,
@@ -196,31 +199,31 @@ pub struct Contact {
     #[serde(rename = "self", default)]
     pub with_itself: bool,
     /// Points in the history, default 201.
-    #[serde(default = "two_hundred_and_one")]
+    #[serde(default = "default_output_count")]
     pub output: u32,
     /// Snapshots in the plot of the scene, default 6.
-    #[serde(default = "six")]
+    #[serde(default = "default_corner_angle")]
     pub snapshots: u32,
     /// Load steps of an equilibrium, default 10.
-    #[serde(default = "ten")]
+    #[serde(default = "default_load_steps")]
     pub load_steps: u32,
     /// Angle between surfaces above which a corner is a contact of its own; below it the line beside it carries the contact,
     /// default 10 deg.
     pub corner_angle: Option<Angle>,
 }
 
-fn three_segments() -> u32 {
+fn default_segments() -> u32 {
     3
 }
 
-fn two_hundred_and_one() -> u32 {
+fn default_output_count() -> u32 {
     201
 }
 
-fn six() -> u32 {
+fn default_corner_angle() -> u32 {
     6
 }
 
-fn ten() -> u32 {
+fn default_load_steps() -> u32 {
     10
 }

@@ -8,7 +8,8 @@ use serde_json::{Map, Value};
 /// A study of cost and error over a grid of settings.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Tradeoff {
+#[schemars(rename = "Tradeoff")]
+pub struct TradeoffInput {
     /// Analysis that each point runs.
     pub analysis: Analysis,
     /// The number of its report that counts: a path ("results.final.growth_m.0"), or { "path", "where" } as in `expected`.

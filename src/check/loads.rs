@@ -61,12 +61,6 @@ impl Input<'_> {
                 loads.push(Load { node, kind, acts_on, reading, path });
             }
             let Some(surface) = load.surface else { continue };
-            let surface = match surface {
-                case::Surface::Top => Surface::Top,
-                case::Surface::Bottom => Surface::Bottom,
-                case::Surface::Bore => Surface::Bore,
-                case::Surface::Rim => Surface::Rim,
-            };
             if surface == Surface::Bore && !mesh.elements.iter().any(|e| sections[e.section].is_hollow()) {
                 return self.fault(
                     &format!("{path}.surface"),
@@ -89,7 +83,7 @@ impl Input<'_> {
     }
 
     /// How a load moves.
-    fn reading(&self, path: &str, load: &case::Load) -> Result<Reading> {
+    fn reading(&self, path: &str, load: &case::LoadInput) -> Result<Reading> {
         let (follows, dead) = (load.follower == Some(true), load.dead == Some(true));
         if dead && (load.force.is_some() || load.traction.is_some() || follows) {
             return self.fault(

@@ -180,7 +180,7 @@ impl Input<'_> {
         Ok(Vector3::new(list[0], list[1], list.get(2).copied().unwrap_or(0.0)))
     }
 
-    fn body(&self, path: &str, body: &case::Body, pair: Option<(&Section, &Material)>) -> Result<Body> {
+    fn body(&self, path: &str, body: &case::BodyInput, pair: Option<(&Section, &Material)>) -> Result<Body> {
         let at = |key: &str| format!("{path}.{key}");
         let length = self.length(&at("length"), body.length.0)?;
         if body.elements == 0 || body.elements > ELEMENTS as u64 {
@@ -280,12 +280,7 @@ impl Input<'_> {
                 self.within(&format!("{path}.moment"), moment.0.abs(), 0.0, 1e30)?;
                 Action::Moment(place(load.at)?, moment.0)
             } else {
-                let face = match load.face {
-                    Some(case::Face::Bottom) => Face::Bottom,
-                    Some(case::Face::Start) => Face::Start,
-                    Some(case::Face::End) => Face::End,
-                    _ => Face::Top,
-                };
+                let face = load.face.unwrap_or(Face::Top);
                 Action::Pressure(face, load.pressure.map_or(0.0, |p| p.0))
             };
             let until = match load.until {
@@ -312,7 +307,12 @@ impl Input<'_> {
         })
     }
 
-    fn planar(&self, path: &str, body: &case::Body, pair: Option<(&Section, &Material)>) -> Result<Planar> {
+    fn planar(
+        &self,
+        path: &str,
+        body: &case::BodyInput,
+        pair: Option<(&Section, &Material)>,
+    ) -> Result<Planar> {
         let at = |key: &str| format!("{path}.{key}");
         if let Some(s) = &body.structural {
             if body.section.is_some() || body.material.is_some() {
@@ -362,7 +362,7 @@ impl Input<'_> {
     fn spatial(
         &self,
         path: &str,
-        body: &case::Body,
+        body: &case::BodyInput,
         pair: Option<(&Section, &Material)>,
     ) -> Result<(Beam, [f64; 3])> {
         let at = |key: &str| format!("{path}.{key}");

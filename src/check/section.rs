@@ -62,7 +62,7 @@ impl Input<'_> {
         }
     }
 
-    fn section(&self, name: &str, s: &case::Section) -> Result<Section> {
+    fn section(&self, name: &str, s: &case::SectionInput) -> Result<Section> {
         let at = |key: &str| format!("sections.{name}.{key}");
         let given = [
             ("radius", self.radius(&at, ["radius", "diameter"], [s.radius, s.diameter])?),

@@ -4,7 +4,7 @@ use crate::case;
 use crate::check::Input;
 use crate::check::mesh::Mesh;
 use crate::error::Result;
-use crate::model::{Frame, Integrator, Phase, Quadrature, Shape, SpinupSettings, StaticSettings, Stator};
+use crate::model::{Frame, Integrator, Phase, Quadrature, SpinupSettings, StaticSettings, Stator};
 use crate::section::Section;
 
 /// Longest simulation, s.
@@ -19,11 +19,11 @@ impl Input<'_> {
         let path = "shaft.quadrature";
         let written = self.case.shaft.as_ref().map_or_else(Default::default, |s| s.quadrature);
         let rule = match written {
-            case::Quadrature::Named(case::QuadratureName::Exact) => Quadrature::EXACT,
-            case::Quadrature::Named(case::QuadratureName::Reduced) => {
+            case::QuadratureInput::Named(case::QuadratureName::Exact) => Quadrature::EXACT,
+            case::QuadratureInput::Named(case::QuadratureName::Reduced) => {
                 Quadrature { axial: Some(5), section: None }
             }
-            case::Quadrature::Points(p) => Quadrature { axial: p.axial, section: p.section },
+            case::QuadratureInput::Points(p) => Quadrature { axial: p.axial, section: p.section },
         };
         for (key, points) in [("axial", rule.axial), ("section", rule.section)] {
             if points.is_some_and(|n| !(2..=20).contains(&n)) {
@@ -57,7 +57,7 @@ impl Input<'_> {
         let at = |key: &str| format!("spinup.{key}");
         let start_speed = s.start_speed.map_or(0.0, |w| w.0);
         self.within(&at("start_speed"), start_speed.abs(), 0.0, FASTEST)?;
-        if start_speed != 0.0 && s.frame == case::SpinupFrame::Inertial {
+        if start_speed != 0.0 && s.frame == Frame::Inertial {
             let allowed = "\"frame\": \"rotating\", or a start from rest";
             return self.fault(&at("start_speed"), "the inertial frame starts from rest", allowed);
         }
@@ -79,11 +79,7 @@ impl Input<'_> {
             self.within(&path, until, 1e-12, LONGEST)?;
             let speed = phase.speed.0;
             self.within(&format!("spinup.drive.{i}.speed"), speed.abs(), 0.0, FASTEST)?;
-            let shape = match phase.shape {
-                case::RampShape::Cosine => Shape::Cosine,
-                case::RampShape::Linear => Shape::Linear,
-            };
-            drive.push(Phase { until, speed, shape });
+            drive.push(Phase { until, speed, shape: phase.shape });
             before = until;
         }
         let driven_node = self.driven_node(s, mesh)?;
@@ -109,9 +105,9 @@ impl Input<'_> {
             return self.fault(&at("step"), "no such step", format!("above 0, at most {until} s"));
         }
         let integrator = match s.integrator {
-            case::Integrator::Implicit | case::Integrator::Esdirk => Integrator::Esdirk,
-            case::Integrator::GeneralizedAlpha => Integrator::GeneralizedAlpha,
-            case::Integrator::Adams => Integrator::Adams,
+            case::IntegratorInput::Implicit | case::IntegratorInput::Esdirk => Integrator::Esdirk,
+            case::IntegratorInput::GeneralizedAlpha => Integrator::GeneralizedAlpha,
+            case::IntegratorInput::Adams => Integrator::Adams,
         };
         if integrator == Integrator::Adams && step.is_some() {
             let allowed = "rtol and atol with \"adams\", or an implicit integrator with a fixed step";
@@ -136,10 +132,7 @@ impl Input<'_> {
             drive,
             torque,
             until,
-            frame: match s.frame {
-                case::SpinupFrame::Rotating => Frame::Rotating,
-                case::SpinupFrame::Inertial => Frame::Inertial,
-            },
+            frame: s.frame,
             integrator,
             rtol: s.rtol,
             atol: s.atol,
@@ -154,15 +147,15 @@ impl Input<'_> {
     }
 
     /// The torque of the drive over speed.
-    fn torque(&self, s: &case::Spinup) -> Result<Vec<[f64; 2]>> {
+    fn torque(&self, s: &case::SpinupInput) -> Result<Vec<[f64; 2]>> {
         if !s.torque.is_empty() && !s.drive.is_empty() {
             let allowed = "\"drive\" for a speed over time, or \"torque\" for a torque over speed";
             return self.fault("spinup.torque", "the drive has a speed and a torque", allowed);
         }
         for (key, wrong) in [
             ("steady", s.steady),
-            ("frame", s.frame == case::SpinupFrame::Inertial),
-            ("integrator", s.integrator == case::Integrator::Adams),
+            ("frame", s.frame == Frame::Inertial),
+            ("integrator", s.integrator == case::IntegratorInput::Adams),
         ] {
             if wrong && !s.torque.is_empty() {
                 return self.fault(
@@ -188,9 +181,9 @@ impl Input<'_> {
     }
 
     /// The node whose section the drive turns; it was given an element end.
-    fn driven_node(&self, s: &case::Spinup, mesh: &Mesh) -> Result<Option<usize>> {
+    fn driven_node(&self, s: &case::SpinupInput, mesh: &Mesh) -> Result<Option<usize>> {
         let Some(at) = s.driven_at else { return Ok(None) };
-        let holds = |s: &case::Support| turns(s) || s.kind == Some(case::SupportKind::Clamped);
+        let holds = |s: &case::SupportInput| turns(s) || s.kind == Some(case::SupportKindInput::Clamped);
         if let Some(i) = self.case.supports.iter().position(holds) {
             return self.fault(
                 "spinup.driven_at",
@@ -201,7 +194,7 @@ impl Input<'_> {
         Ok(Some(mesh.node_at(at.0)))
     }
 
-    fn stators(&self, s: &case::Spinup, mesh: &Mesh, sections: &[Section]) -> Result<Vec<Stator>> {
+    fn stators(&self, s: &case::SpinupInput, mesh: &Mesh, sections: &[Section]) -> Result<Vec<Stator>> {
         /// Most friction: steel that seizes stays below.
         const SEIZED: f64 = 10.0;
         if s.steady && !s.stators.is_empty() {
@@ -246,7 +239,7 @@ impl Input<'_> {
 
     /// A drive with speed needs an end that it turns, and none that stands still.
     fn turning(&self) -> Result<()> {
-        let still = self.case.supports.iter().position(|s| s.kind == Some(case::SupportKind::Clamped));
+        let still = self.case.supports.iter().position(|s| s.kind == Some(case::SupportKindInput::Clamped));
         if let Some(i) = still {
             return self.fault(
                 &format!("supports.{i}.kind"),
@@ -272,9 +265,11 @@ fn turns_at_all(drive: &[Phase]) -> bool {
 }
 
 /// Whether the rotation of a support's section follows the drive.
-fn turns(support: &case::Support) -> bool {
+fn turns(support: &case::SupportInput) -> bool {
     match support.kind {
-        Some(case::SupportKind::Revolute | case::SupportKind::Cylindrical) => support.driven != Some(false),
+        Some(case::SupportKindInput::Revolute | case::SupportKindInput::Cylindrical) => {
+            support.driven != Some(false)
+        }
         Some(_) => false,
         // fixed components turn with the drive when they hold the rotation
         None => {

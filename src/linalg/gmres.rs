@@ -4,6 +4,8 @@
 //! and Givens rotations). A difference of rank k to the preconditioner takes k + 1 iterations. Source: Saad, Iterative
 //! methods for sparse linear systems, sections 6.5 and 9.3.
 
+use crate::linalg::dot;
+
 /// Solves until the residual is below `tolerance` times that of zero; `None` when `most` iterations do not reach it.
 ///
 /// `multiply` is A, `precondition` an approximation of its inverse.
@@ -79,10 +81,6 @@ fn combine(columns: &[Vec<f64>], right: &[f64], directions: &[Vec<f64>]) -> Opti
         x.iter_mut().zip(direction).for_each(|(x, d)| *x += factor * d);
     }
     x.iter().all(|v| v.is_finite()).then_some(x)
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn norm(a: &[f64]) -> f64 {

@@ -8,12 +8,10 @@
 use crate::error::Result;
 use crate::instructions::Instructions;
 use crate::linalg::dense::{no_convergence, unit_scale};
+use crate::linalg::dot_in_lanes;
 use faer::{Mat, MatRef, c64};
 use pulp::{Arch, NullaryFnOnce};
 use std::f64::consts::FRAC_1_SQRT_2;
-
-/// Sums of a scalar product that run side by side.
-const LANES: usize = 8;
 
 /// Frequencies `w >= 0`, ascending, with `A x = i w x`, and the unit vectors x in columns: half of the eigenpairs of A
 /// (the others are their conjugates and, where the size is odd, a zero).
@@ -73,7 +71,7 @@ impl NullaryFnOnce for Tridiagonal<'_> {
             let m = n - k - 1;
             let (v, w) = (&mut vector[..m], &mut image[..m]);
             v.copy_from_slice(&matrix[k * n + k + 1..(k + 1) * n]);
-            let rest = dot(&v[1..], &v[1..]);
+            let rest = dot_in_lanes(&v[1..], &v[1..]);
             below[k] = v[0];
             if rest == 0.0 {
                 continue;
@@ -91,7 +89,7 @@ impl NullaryFnOnce for Tridiagonal<'_> {
             w.fill(0.0);
             for j in 0..m {
                 let column = &matrix[(k + 1 + j) * n + k + 2 + j..(k + 2 + j) * n];
-                w[j] -= dot(column, &v[j + 1..]);
+                w[j] -= dot_in_lanes(column, &v[j + 1..]);
                 add(&mut w[j + 1..], v[j], column);
             }
             for entry in w.iter_mut() {
@@ -112,7 +110,7 @@ impl NullaryFnOnce for Tridiagonal<'_> {
             let v = &matrix[k * n + k + 1..(k + 1) * n];
             for j in k + 1..n {
                 let column = &mut turn[j * n + k + 1..(j + 1) * n];
-                let share = -sizes[k] * dot(v, column);
+                let share = -sizes[k] * dot_in_lanes(v, column);
                 add(column, share, v);
             }
         }
@@ -125,20 +123,6 @@ fn add(y: &mut [f64], factor: f64, x: &[f64]) {
     for (y, x) in y.iter_mut().zip(x) {
         *y += factor * x;
     }
-}
-
-/// `x^T y`.
-#[inline(always)]
-fn dot(x: &[f64], y: &[f64]) -> f64 {
-    let whole = x.len() / LANES * LANES;
-    let mut sums = [0.0; LANES];
-    for (x, y) in x[..whole].chunks_exact(LANES).zip(y[..whole].chunks_exact(LANES)) {
-        for k in 0..LANES {
-            sums[k] += x[k] * y[k];
-        }
-    }
-    let rest: f64 = x[whole..].iter().zip(&y[whole..]).map(|(x, y)| x * y).sum();
-    sums.iter().sum::<f64>() + rest
 }
 
 #[cfg(test)]

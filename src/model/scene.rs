@@ -1,5 +1,6 @@
 //! A checked contact scene: beams, what holds and loads them, and how contact is enforced.
 
+pub use crate::case::Face;
 use crate::model::Model;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
@@ -48,19 +49,6 @@ impl Hold {
     pub fn meets(self, other: Self) -> bool {
         !matches!((self, other), (Self::PinnedX, Self::PinnedY) | (Self::PinnedY, Self::PinnedX))
     }
-}
-
-/// A face of a planar body.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Face {
-    /// y = -H/2.
-    Bottom,
-    /// The end face at the end.
-    End,
-    /// y = H/2.
-    Top,
-    /// The end face at the start.
-    Start,
 }
 
 /// What a load does.

@@ -6,6 +6,8 @@
 
 pub mod basis;
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Outline family of a section.
@@ -18,7 +20,8 @@ pub enum Shape {
 }
 
 /// A part of the lateral surface.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
 pub enum Surface {
     /// Upper half of the outline (y > 0), of a rectangle its upper face.
     Top,

@@ -1,6 +1,6 @@
 //! The rotation of the drive: prescribed by speeds over time, or driven by a torque over speed.
 
-use crate::model::{Phase, Shape, SpinupSettings};
+use crate::model::{Phase, RampShape, SpinupSettings};
 use std::f64::consts::PI;
 
 /// Angle, speed and acceleration of the drive.
@@ -93,7 +93,7 @@ impl Drive {
             let elapsed = t.min(until) - start;
             let within = t < until || (t == until && t > self.begun);
             match shape {
-                Shape::Cosine => {
+                RampShape::Cosine => {
                     let (sin, cos) = (PI * elapsed / length).sin_cos();
                     let turned = angle + from * elapsed + change / 2.0 * (elapsed - length / PI * sin);
                     if within {
@@ -102,7 +102,7 @@ impl Drive {
                     }
                     angle = turned;
                 }
-                Shape::Linear => {
+                RampShape::Linear => {
                     let acceleration = change / length;
                     let turned = angle + from * elapsed + acceleration * elapsed * elapsed / 2.0;
                     if within {
@@ -142,7 +142,8 @@ impl Drive {
         }
         let before = self.at(t).acceleration;
         let kept = std::mem::replace(&mut self.begun, t);
-        let jumps = self.phases.iter().any(|p| p.shape == Shape::Linear) && self.at(t).acceleration != before;
+        let jumps =
+            self.phases.iter().any(|p| p.shape == RampShape::Linear) && self.at(t).acceleration != before;
         if !jumps {
             self.begun = kept;
         }
@@ -192,7 +193,7 @@ mod tests {
 
     #[test]
     fn speed_is_the_derivative_of_the_angle() {
-        use Shape::{Cosine, Linear};
+        use RampShape::{Cosine, Linear};
         let phases = [(0.5, 48.0, Cosine), (1.0, 48.0, Linear), (1.25, -72.0, Linear), (2.0, 10.0, Cosine)];
         let phases = phases.map(|(until, speed, shape)| Phase { until, speed, shape });
         let mut drive = Drive::new(5.0, &phases);

@@ -8,7 +8,7 @@ mod process;
 mod store;
 
 use crate::analysis::{Outcome, check, contact};
-use crate::case::{Analysis, CaseKind, LoadedCase, Tradeoff, shown};
+use crate::case::{Analysis, CaseKind, LoadedCase, TradeoffInput, shown};
 use crate::error::{Error, Refusal, Result};
 use crate::model::Model;
 use crate::model::scene::Scene;
@@ -45,7 +45,7 @@ pub struct PlannedPoint {
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// The block of the case.
-    block: Tradeoff,
+    block: TradeoffInput,
     reference: Reference,
     machine: Machine,
     file: String,
@@ -288,7 +288,7 @@ fn in_grid(loaded: &LoadedCase, path: &str, value: &Value, error: Error) -> Erro
 }
 
 /// What the quantity is compared with.
-fn reference(loaded: &LoadedCase, block: &Tradeoff) -> Result<Reference> {
+fn reference(loaded: &LoadedCase, block: &TradeoffInput) -> Result<Reference> {
     use crate::case::Reference as Wanted;
     let fault = |problem: String, allowed: &str| Err(loaded.fault("tradeoff.reference", problem, allowed));
     let found = match block.reference {

@@ -1,6 +1,6 @@
 //! Finished points of a study, one file each, under a digest of everything that their numbers depend on.
 
-use crate::case::Tradeoff;
+use crate::case::TradeoffInput;
 use crate::error::{Error, Result};
 use crate::report::{files, json};
 use crate::study::design::{Measurement, Settings};
@@ -13,7 +13,7 @@ pub type PointOutcome = std::result::Result<Measurement, String>;
 
 /// SHA-256 over program version, processor, analysis, quantity and the case with its settings, without its words and
 /// what it expects.
-pub fn key(case: &Value, analysis: &str, block: &Tradeoff, processor: &str) -> String {
+pub fn key(case: &Value, analysis: &str, block: &TradeoffInput, processor: &str) -> String {
     let mut computed = case.clone();
     if let Value::Object(map) = &mut computed {
         for key in ["title", "description", "source", "expected"] {

@@ -3,8 +3,8 @@
 use rotor::case::{Case, LoadedCase};
 use rotor::error::{Error, Result};
 use rotor::model::{
-    Frame, Integrator, LoadKind, Model, Phase, Quadrature, Reading, Shape, SpinupSettings, StaticSettings,
-    SurfaceLoad, Traction,
+    Frame, Integrator, LoadKind, Model, Phase, Quadrature, RampShape, Reading, SpinupSettings,
+    StaticSettings, SurfaceLoad, Traction,
 };
 use rotor::section::Surface;
 use serde_json::{Map, Value, json};
@@ -404,7 +404,7 @@ fn defaults_of_the_nonlinear_analyses() {
     let model = build(valid()).unwrap();
     assert_eq!(model.quadrature, Quadrature::EXACT);
     assert_eq!(model.statics, StaticSettings { load_steps: 1, max_iterations: 40, tolerance: 1e-20 });
-    let (speed, shape) = (1000.0 * std::f64::consts::PI / 30.0, Shape::Cosine);
+    let (speed, shape) = (1000.0 * std::f64::consts::PI / 30.0, RampShape::Cosine);
     let expected = SpinupSettings {
         start_speed: 0.0,
         drive: [(1.0, speed), (2.0, 0.0)].map(|(until, speed)| Phase { until, speed, shape }).to_vec(),

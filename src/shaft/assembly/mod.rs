@@ -5,15 +5,18 @@
 //! the profile is narrow) and stored without exact zeros, which uncouples the planes of symmetry.
 //! Each matrix is built only when an analysis asks for it.
 
+mod elimination;
+mod rigid_motions;
+
 use crate::element::ElementMatrices;
 use crate::element::basis::rotation_matrix;
 use crate::linalg::chain::{Layout, Link};
 use crate::linalg::sparse::{Sparse, from_columns};
-use crate::model::{Element, Gyroscopic, Material, Model, Node};
+use crate::model::{Element, Gyroscopic, Material, Model};
 use crate::section::basis::SectionBasis;
 use crate::shaft::attachments::{self, Contribution, Numbering};
+use elimination::{eliminate, reduce};
 use faer::Mat;
-use nalgebra::DMatrix;
 
 /// Relative size below which a constraint or a motion counts as zero.
 const ROUNDING: f64 = 1e-9;
@@ -521,44 +524,6 @@ impl<'a> Assembly<'a> {
         from_columns(n, column_starts, rows, kept)
     }
 
-    /// The six rigid motions (translations x, y, z; rotations about x, y, z through the left end) in
-    /// all coordinates: displacement in m for a unit translation, and for a rotation of one over the length.
-    fn all_rigid_motions(&self) -> [Vec<f64>; 6] {
-        let (r, l) = (self.model.reference_length, self.model.length);
-        std::array::from_fn(|motion| {
-            let mut q = vec![0.0; self.numbering.len()];
-            for (node, at) in self.model.nodes.iter().enumerate() {
-                let mut set = |vector: usize, component: usize, value| {
-                    self.numbering.fields(node).for_each(|first| q[first + 3 * vector + component] = value);
-                };
-                match motion {
-                    0..=2 => set(0, motion, 1.0),
-                    3 => {
-                        set(1, 2, r / l);
-                        set(2, 1, -r / l);
-                    }
-                    4 => {
-                        set(0, 2, -at.x / l);
-                        set(2, 0, r / l);
-                    }
-                    _ => {
-                        set(0, 1, at.x / l);
-                        set(1, 0, -r / l);
-                    }
-                }
-            }
-            // normals turn like the axis
-            for normal in self.numbering.all_normals() {
-                match motion {
-                    4 => q[normal + 2] = -r / l,
-                    5 => q[normal + 1] = r / l,
-                    _ => {}
-                }
-            }
-            q
-        })
-    }
-
     /// For every free coordinate whether it changes its sign when the shaft is mirrored, y -> -y and z -> -z.
     pub fn mirror_signs(&self) -> Vec<[bool; 2]> {
         let mut signs = Vec::with_capacity(self.numbering.len());
@@ -591,72 +556,6 @@ impl<'a> Assembly<'a> {
             more.extend(rows.iter().filter(|row| stretches(row)).map(|row| turned(row)));
             more.len() > rows.len() && reduce(more).len() > reduce(rows).len()
         })
-    }
-
-    /// What the rotations of rigid motions (in free coordinates, in columns) make of a displacement z: their turn, which any
-    /// section tells, times the displacement.
-    pub fn turned_by(&self, motions: &Mat<f64>, z: &[f64]) -> Mat<f64> {
-        let q = self.expand(z);
-        let r = self.model.reference_length;
-        let columns: Vec<Vec<f64>> = motions
-            .col_iter()
-            .map(|motion| {
-                let motion = self.expand(&motion.iter().copied().collect::<Vec<_>>());
-                let at =
-                    |vector: usize, component: usize| motion[self.numbering.index(0, vector, component)] / r;
-                let (x, y, z) = (at(1, 2), at(2, 0), -at(1, 0));
-                let turned = q
-                    .chunks_exact(3)
-                    .flat_map(|u| [y * u[2] - z * u[1], z * u[0] - x * u[2], x * u[1] - y * u[0]]);
-                self.restrict(&turned.collect::<Vec<_>>())
-            })
-            .collect();
-        Mat::from_fn(self.size(), columns.len(), |i, j| columns[j][i])
-    }
-
-    /// Rigid motions that no constraint and no bearing stiffness resists: their names, and the free
-    /// coordinates in columns.
-    pub fn rigid_motions(&self) -> (Vec<String>, Mat<f64>) {
-        let (springs, coupled) = (self.springs(), self.coupled_rows());
-        self.rigid_motions_on(&springs.iter().map(|s| &s.row).chain(&coupled).collect::<Vec<_>>())
-    }
-
-    /// Displacements that cross-coupling acts between, as rows over coordinates before constraints.
-    fn coupled_rows(&self) -> Vec<Vec<(usize, f64)>> {
-        let coupled = self.model.bearings.iter().filter(|b| b.stiffness[0][1] != b.stiffness[1][0]);
-        coupled.flat_map(|b| attachments::bearing_rows(self.model, &self.numbering, b)).collect()
-    }
-
-    /// Rigid motions that no constraint resists and for which none of the displacements `held` (rows over coordinates
-    /// before constraints) is above zero.
-    pub fn rigid_motions_on(&self, held: &[&Vec<(usize, f64)>]) -> (Vec<String>, Mat<f64>) {
-        let motions = self.all_rigid_motions();
-        let null = self.rigid_combinations(held);
-        let names = null.iter().map(motion_name).collect();
-        let columns: Vec<Vec<f64>> = null
-            .iter()
-            .map(|c| {
-                let q: Vec<f64> =
-                    (0..self.numbering.len()).map(|i| (0..6).map(|m| c[m] * motions[m][i]).sum()).collect();
-                self.restrict(&q)
-            })
-            .collect();
-        (names, Mat::from_fn(self.size(), columns.len(), |i, j| columns[j][i]))
-    }
-
-    /// The same as combinations of the six rigid motions.
-    fn rigid_combinations(&self, held: &[&Vec<(usize, f64)>]) -> Vec<[f64; 6]> {
-        let motions = self.all_rigid_motions();
-        let mut rows: Vec<[f64; 6]> = Vec::new();
-        for (node, row) in &self.constraints {
-            let at = self.numbering.of_node(*node);
-            rows.push(std::array::from_fn(|m| {
-                row.iter().zip(&motions[m][at.clone()]).map(|(a, b)| a * b).sum()
-            }));
-        }
-        let felt = |row: &[(usize, f64)], m: usize| row.iter().map(|&(i, w)| w * motions[m][i]).sum::<f64>();
-        rows.extend(held.iter().map(|row| std::array::from_fn(|m| felt(row, m))));
-        null_space(&rows)
     }
 }
 
@@ -707,139 +606,4 @@ fn convection(size: usize, basis: SectionBasis) -> Mat<f64> {
         };
         moved - turned
     })
-}
-
-type Elimination = (Vec<Vec<(usize, f64)>>, Vec<usize>, Vec<(usize, Vec<f64>)>);
-
-/// Eliminates the constraints of each node by Gauss-Jordan with full pivoting; dependent rows drop out.
-/// Returns T by rows, the free coordinates, and the constraint rows for later use.
-fn eliminate(model: &Model, numbering: &Numbering, supports: bool) -> Elimination {
-    let mut expansion = vec![Vec::new(); numbering.len()];
-    let (mut free, mut constraints) = (Vec::new(), Vec::new());
-    for node in 0..model.nodes.len() {
-        let rows = if supports { attachments::constraint_rows(model, node) } else { Vec::new() };
-        let start = numbering.index(node, 0, 0);
-        let size = 3 * model.nodes[node].n_vectors();
-        let reduced = reduce(rows.clone());
-        constraints.extend(rows.into_iter().map(|row| (node, row)));
-        let is_pivot = |i: usize| reduced.iter().any(|(pivot, _)| *pivot == i);
-        let first_free = free.len();
-        free.extend((0..size).filter(|&i| !is_pivot(i)).map(|i| start + i));
-        for (offset, &i) in free[first_free..].iter().enumerate() {
-            expansion[i] = vec![(first_free + offset, 1.0)];
-        }
-        for (pivot, row) in &reduced {
-            expansion[start + pivot] = free[first_free..]
-                .iter()
-                .enumerate()
-                .filter(|(_, i)| row[**i - start] != 0.0)
-                .map(|(offset, i)| (first_free + offset, -row[i - start]))
-                .collect();
-        }
-        follow(model, node, start, &mut expansion);
-        for normal in numbering.normals(node) {
-            expansion[normal] = vec![(free.len(), 1.0)];
-            free.push(normal);
-        }
-    }
-    (expansion, free, constraints)
-}
-
-/// Expands the vectors that follow a node's own at a joint, `q_k = sum_l P_kl own_l`.
-fn follow(model: &Model, node: usize, start: usize, expansion: &mut [Vec<(usize, f64)>]) {
-    let Node { field, follower: Some(follower), .. } = model.nodes[node] else { return };
-    let Some(shared) = attachments::section_at(model, node) else { return };
-    let p = attachments::functions(model, follower).following(&attachments::functions(model, field), &shared);
-    for k in 0..p.nrows() {
-        for c in 0..3 {
-            let mut row: Vec<(usize, f64)> = Vec::new();
-            for l in (0..p.ncols()).filter(|&l| p[(k, l)] != 0.0) {
-                for &(j, value) in &expansion[start + 3 * l + c] {
-                    match row.iter_mut().find(|(i, _)| *i == j) {
-                        Some(entry) => entry.1 += p[(k, l)] * value,
-                        None => row.push((j, p[(k, l)] * value)),
-                    }
-                }
-            }
-            expansion[start + 3 * (p.ncols() + k) + c] = row;
-        }
-    }
-}
-
-/// Reduced row echelon form: `(pivot column, row with 1 at the pivot and 0 at the other pivots)`.
-fn reduce(mut rows: Vec<Vec<f64>>) -> Vec<(usize, Vec<f64>)> {
-    for row in &mut rows {
-        let largest = row.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        row.iter_mut().for_each(|v| *v /= if largest > 0.0 { largest } else { 1.0 });
-    }
-    let mut done: Vec<(usize, Vec<f64>)> = Vec::new();
-    while !rows.is_empty() {
-        let mut best = (0, 0, 0.0);
-        for (r, row) in rows.iter().enumerate() {
-            for (c, v) in row.iter().enumerate() {
-                // among equals the first, whatever rounding says
-                if v.abs() > best.2 * (1.0 + ROUNDING) {
-                    best = (r, c, v.abs());
-                }
-            }
-        }
-        let (r, pivot, size) = best;
-        if size < ROUNDING {
-            break;
-        }
-        let mut row = rows.swap_remove(r);
-        let scale = row[pivot];
-        row.iter_mut().for_each(|v| *v /= scale);
-        for other in rows.iter_mut().chain(done.iter_mut().map(|d| &mut d.1)) {
-            let factor = other[pivot];
-            if factor != 0.0 {
-                other.iter_mut().zip(&row).for_each(|(a, b)| *a -= factor * b);
-                other[pivot] = 0.0;
-            }
-        }
-        done.push((pivot, row));
-    }
-    done
-}
-
-/// Combinations of six motions that every row leaves at zero, as simple as possible.
-fn null_space(rows: &[[f64; 6]]) -> Vec<[f64; 6]> {
-    let scaled: Vec<f64> = rows
-        .iter()
-        .filter_map(|row| {
-            let norm = row.iter().map(|v| v * v).sum::<f64>().sqrt();
-            (norm > ROUNDING * ROUNDING).then(|| row.map(|v| v / norm))
-        })
-        .flatten()
-        .collect();
-    let matrix = DMatrix::from_row_slice(scaled.len() / 6, 6, &scaled);
-    // The Gram matrix would square the conditioning; the row echelon form of a QR's R does not.
-    let r = matrix.qr().unpack_r();
-    let rows = (0..r.nrows()).map(|i| r.row(i).iter().copied().collect()).collect();
-    let reduced = reduce(rows);
-    (0..6)
-        .filter(|i| !reduced.iter().any(|(pivot, _)| pivot == i))
-        .map(|i| {
-            let mut motion = [0.0; 6];
-            motion[i] = 1.0;
-            for (pivot, row) in &reduced {
-                motion[*pivot] = -row[i];
-            }
-            motion
-        })
-        .collect()
-}
-
-fn motion_name(motion: &[f64; 6]) -> String {
-    const NAMES: [&str; 6] = [
-        "translation along x",
-        "translation along y",
-        "translation along z",
-        "rotation about x",
-        "rotation about y",
-        "rotation about z",
-    ];
-    let parts: Vec<&str> =
-        NAMES.iter().zip(motion).filter(|(_, c)| c.abs() > ROUNDING).map(|(name, _)| *name).collect();
-    parts.join(" with ")
 }

@@ -1,0 +1,73 @@
+//! Anderson's acceleration of Newton iterations by secants of earlier steps.
+
+use crate::linalg::dot_in_lanes;
+use nalgebra::{DMatrix, DVector};
+
+/// Anderson's acceleration (J. ACM 12, 1965; type II): differences of steps s and of corrections d between
+/// iterations tell how the matrix differs from the tangent. They outlive a stage: the next one starts with them.
+#[derive(Default)]
+pub(super) struct Secants {
+    /// `(s + delta d, delta d)`, the latter of unit length, in a ring.
+    pairs: Vec<(Vec<f64>, Vec<f64>)>,
+    /// Place of the next pair.
+    next: usize,
+    /// Products of the `delta d`.
+    gram: [[f64; PAIRS]; PAIRS],
+    step: Vec<f64>,
+    correction: Vec<f64>,
+}
+
+/// Pairs that are kept.
+const PAIRS: usize = 6;
+
+/// Regularisation of nearly dependent pairs.
+const DEPENDENT: f64 = 1e-10;
+
+impl Secants {
+    pub(super) fn clear(&mut self) {
+        self.pairs.clear();
+        self.next = 0;
+    }
+
+    /// Turns the correction d into `d - sum g_j (s_j + delta d_j)` with g the least squares solution of
+    /// `d = sum g_j delta d_j`. `follows`: the last correction belongs to the same stage.
+    pub(super) fn improve(&mut self, d: &mut [f64], follows: bool) {
+        if follows {
+            self.learn(d);
+        }
+        self.correction.clear();
+        self.correction.extend_from_slice(d);
+        let m = self.pairs.len();
+        if m > 0 {
+            let gram = DMatrix::from_fn(m, m, |i, j| self.gram[i][j] + if i == j { DEPENDENT } else { 0.0 });
+            let right = DVector::from_fn(m, |i, _| dot_in_lanes(&self.pairs[i].1, d));
+            if let Some(cholesky) = gram.cholesky() {
+                let weights = cholesky.solve(&right);
+                for ((s, _), weight) in self.pairs.iter().zip(weights.iter()) {
+                    d.iter_mut().zip(s).for_each(|(d, s)| *d -= weight * s);
+                }
+            }
+        }
+        self.step.clear();
+        self.step.extend_from_slice(d);
+    }
+
+    pub(super) fn learn(&mut self, d: &[f64]) {
+        if self.pairs.len() < PAIRS {
+            self.pairs.push((vec![0.0; d.len()], vec![0.0; d.len()]));
+            self.next = self.pairs.len() - 1;
+        }
+        let at = self.next;
+        let (s, y) = &mut self.pairs[at];
+        y.iter_mut().zip(d.iter().zip(&self.correction)).for_each(|(y, (d, old))| *y = d - old);
+        // unit length: pairs differ by many decades
+        let scale = 1.0 / dot_in_lanes(y, y).sqrt().max(f64::MIN_POSITIVE);
+        y.iter_mut().for_each(|y| *y *= scale);
+        s.iter_mut().zip(self.step.iter().zip(&*y)).for_each(|(s, (step, y))| *s = scale * step + y);
+        for j in 0..self.pairs.len() {
+            let product = dot_in_lanes(&self.pairs[at].1, &self.pairs[j].1);
+            (self.gram[at][j], self.gram[j][at]) = (product, product);
+        }
+        self.next = (at + 1) % PAIRS;
+    }
+}

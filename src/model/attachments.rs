@@ -1,0 +1,212 @@
+//! What is attached to a shaft, checked: disks, bearings, supports, loads, probes.
+
+use crate::case::{ActsOn, Hub};
+use crate::section::Surface;
+
+impl Hub {
+    /// What the disk's inertia acts on.
+    pub fn acts_on(self) -> ActsOn {
+        match self {
+            Self::Rigid | Self::Soft => ActsOn::Axis,
+            Self::Bore => ActsOn::Bore,
+            Self::Rim => ActsOn::Rim,
+        }
+    }
+
+    /// Name in case files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rigid => "rigid",
+            Self::Soft => "soft",
+            Self::Bore => "bore",
+            Self::Rim => "rim",
+        }
+    }
+}
+
+/// A rigid disk at a node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Disk {
+    /// Node it sits on.
+    pub node: usize,
+    /// kg.
+    pub mass: f64,
+    /// kg m^2.
+    pub polar_inertia: f64,
+    /// kg m^2, at least half the polar inertia.
+    pub diametral_inertia: f64,
+    /// Offset of the centre of mass along the section's y and z, m.
+    pub offset: [f64; 2],
+    /// How it holds the shaft.
+    pub hub: Hub,
+}
+
+impl Disk {
+    /// `Id - Jp/2`, what the thickness adds to the diametral inertia of a thin disk, kg m^2; zero within rounding.
+    pub fn thickness_inertia(&self) -> f64 {
+        let excess = self.diametral_inertia - self.polar_inertia / 2.0;
+        if excess > 1e-12 * self.diametral_inertia { excess } else { 0.0 }
+    }
+}
+
+impl ActsOn {
+    /// The line it is, if any.
+    pub fn surface(self) -> Option<Surface> {
+        match self {
+            Self::Section | Self::Axis => None,
+            Self::Bore => Some(Surface::Bore),
+            Self::Rim => Some(Surface::Rim),
+        }
+    }
+}
+
+/// A linear spring-damper bearing at a node, in the fixed y, z directions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bearing {
+    /// Node it holds.
+    pub node: usize,
+    /// `[[kyy, kyz], [kzy, kzz]]`, N/m; the symmetric part is positive semi-definite.
+    pub stiffness: [[f64; 2]; 2],
+    /// `[[cyy, cyz], [czy, czz]]`, N s/m.
+    pub damping: [[f64; 2]; 2],
+    /// What it holds.
+    pub acts_on: ActsOn,
+    /// JSON path, for reports.
+    pub path: String,
+}
+
+/// How an end section of a kinematic support behaves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SectionHold {
+    /// Stays plane; may expand in its plane, in which this is held.
+    Plane(ActsOn),
+    /// Keeps its shape entirely.
+    Rigid,
+}
+
+/// Kinematic supports, see docs/theory.md section 7.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SupportKind {
+    /// No displacement, no tilt, no rotation.
+    Clamped(SectionHold),
+    /// As clamped, spinning: its mean rotation follows the drive, or is free when not driven.
+    Revolute {
+        /// How the section is held.
+        hold: SectionHold,
+        /// Rotation prescribed by the drive.
+        driven: bool,
+    },
+    /// As revolute, free along the axis.
+    Cylindrical {
+        /// How the section is held.
+        hold: SectionHold,
+        /// Rotation prescribed by the drive.
+        driven: bool,
+    },
+    /// Mean displacement held in x, y and z; tilt free.
+    Pinned(ActsOn),
+    /// Mean displacement held in y and z; tilt free.
+    Roller(ActsOn),
+    /// Nothing held but the mean rotation of the section, which the drive prescribes.
+    Turned,
+    /// Exactly these components: `(vector index, component)`, in the order of the element's vectors.
+    Fix(Vec<(usize, usize)>),
+}
+
+/// A kinematic support at a node.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Support {
+    /// Node it holds.
+    pub node: usize,
+    /// What it holds.
+    pub kind: SupportKind,
+    /// JSON path, for messages.
+    pub path: String,
+}
+
+/// Where displacements are read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Probe {
+    /// Name in reports.
+    pub name: String,
+    /// Position along the shaft, m.
+    pub x: f64,
+    /// Points `[y, z]` in the section, m.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// What a load at a node does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LoadKind {
+    /// Force `[x, y, z]`, N.
+    Force([f64; 3]),
+    /// Moment about `[x, y, z]`, N m.
+    Moment([f64; 3]),
+}
+
+/// What happens to a load when the shaft moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reading {
+    /// Axes fixed in space: a force on the section where it is, a moment on its rotation, a traction per undeformed area.
+    FixedInSpace,
+    /// Axes that turn with the section; pressure on the surface as it is.
+    Following,
+    /// The tractions that the load is on the undeformed shaft, in size and direction, whatever the motion.
+    Dead,
+}
+
+/// A load at a node.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Load {
+    /// Node it acts on.
+    pub node: usize,
+    /// Force or moment.
+    pub kind: LoadKind,
+    /// What it takes hold of.
+    pub acts_on: ActsOn,
+    /// How it moves.
+    pub reading: Reading,
+    /// JSON path, for messages and reports.
+    pub path: String,
+}
+
+impl Load {
+    /// True when it does not change as seen from the turning shaft: it follows, or acts along or about x alone.
+    pub fn is_constant_in_turning_frame(&self) -> bool {
+        let (axial, turns) = match self.kind {
+            LoadKind::Force([_, y, z]) => ([y, z] == [0.0; 2], true),
+            LoadKind::Moment([_, y, z]) => ([y, z] == [0.0; 2], self.reading != Reading::Dead),
+        };
+        self.reading == Reading::Following || (axial && turns)
+    }
+}
+
+/// Force per area of a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SurfaceLoad {
+    /// Force per undeformed area `[x, y, z]`, Pa.
+    Traction([f64; 3]),
+    /// Against the surface, Pa.
+    Pressure(f64),
+}
+
+/// A load on a part of the lateral surface of the whole shaft, of its bore where it has one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Traction {
+    /// Where.
+    pub surface: Surface,
+    /// How much.
+    pub load: SurfaceLoad,
+    /// How it moves; pressure follows or is dead.
+    pub reading: Reading,
+    /// JSON path, for messages and reports.
+    pub path: String,
+}
+
+impl Traction {
+    /// True when it does not change as seen from the turning shaft: it follows, or acts along x alone.
+    pub fn is_constant_in_turning_frame(&self) -> bool {
+        self.reading == Reading::Following
+            || matches!(self.load, SurfaceLoad::Traction([_, y, z]) if [y, z] == [0.0; 2])
+    }
+}

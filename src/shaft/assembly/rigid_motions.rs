@@ -1,0 +1,155 @@
+//! Motions without deformation that nothing resists, with their names.
+
+use crate::shaft::assembly::elimination::reduce;
+use crate::shaft::assembly::{Assembly, ROUNDING};
+use crate::shaft::attachments::{self};
+use faer::Mat;
+use nalgebra::DMatrix;
+
+/// Combinations of six motions that every row leaves at zero, as simple as possible.
+pub(super) fn null_space(rows: &[[f64; 6]]) -> Vec<[f64; 6]> {
+    let scaled: Vec<f64> = rows
+        .iter()
+        .filter_map(|row| {
+            let norm = row.iter().map(|v| v * v).sum::<f64>().sqrt();
+            (norm > ROUNDING * ROUNDING).then(|| row.map(|v| v / norm))
+        })
+        .flatten()
+        .collect();
+    let matrix = DMatrix::from_row_slice(scaled.len() / 6, 6, &scaled);
+    // The Gram matrix would square the conditioning; the row echelon form of a QR's R does not.
+    let r = matrix.qr().unpack_r();
+    let rows = (0..r.nrows()).map(|i| r.row(i).iter().copied().collect()).collect();
+    let reduced = reduce(rows);
+    (0..6)
+        .filter(|i| !reduced.iter().any(|(pivot, _)| pivot == i))
+        .map(|i| {
+            let mut motion = [0.0; 6];
+            motion[i] = 1.0;
+            for (pivot, row) in &reduced {
+                motion[*pivot] = -row[i];
+            }
+            motion
+        })
+        .collect()
+}
+
+pub(super) fn motion_name(motion: &[f64; 6]) -> String {
+    const NAMES: [&str; 6] = [
+        "translation along x",
+        "translation along y",
+        "translation along z",
+        "rotation about x",
+        "rotation about y",
+        "rotation about z",
+    ];
+    let parts: Vec<&str> =
+        NAMES.iter().zip(motion).filter(|(_, c)| c.abs() > ROUNDING).map(|(name, _)| *name).collect();
+    parts.join(" with ")
+}
+
+impl Assembly<'_> {
+    /// The six rigid motions (translations x, y, z; rotations about x, y, z through the left end) in
+    /// all coordinates: displacement in m for a unit translation, and for a rotation of one over the length.
+    pub(super) fn all_rigid_motions(&self) -> [Vec<f64>; 6] {
+        let (r, l) = (self.model.reference_length, self.model.length);
+        std::array::from_fn(|motion| {
+            let mut q = vec![0.0; self.numbering.len()];
+            for (node, at) in self.model.nodes.iter().enumerate() {
+                let mut set = |vector: usize, component: usize, value| {
+                    self.numbering.fields(node).for_each(|first| q[first + 3 * vector + component] = value);
+                };
+                match motion {
+                    0..=2 => set(0, motion, 1.0),
+                    3 => {
+                        set(1, 2, r / l);
+                        set(2, 1, -r / l);
+                    }
+                    4 => {
+                        set(0, 2, -at.x / l);
+                        set(2, 0, r / l);
+                    }
+                    _ => {
+                        set(0, 1, at.x / l);
+                        set(1, 0, -r / l);
+                    }
+                }
+            }
+            // normals turn like the axis
+            for normal in self.numbering.all_normals() {
+                match motion {
+                    4 => q[normal + 2] = -r / l,
+                    5 => q[normal + 1] = r / l,
+                    _ => {}
+                }
+            }
+            q
+        })
+    }
+
+    /// What the rotations of rigid motions (in free coordinates, in columns) make of a displacement z: their turn, which any
+    /// section tells, times the displacement.
+    pub fn turned_by(&self, motions: &Mat<f64>, z: &[f64]) -> Mat<f64> {
+        let q = self.expand(z);
+        let r = self.model.reference_length;
+        let columns: Vec<Vec<f64>> = motions
+            .col_iter()
+            .map(|motion| {
+                let motion = self.expand(&motion.iter().copied().collect::<Vec<_>>());
+                let at =
+                    |vector: usize, component: usize| motion[self.numbering.index(0, vector, component)] / r;
+                let (x, y, z) = (at(1, 2), at(2, 0), -at(1, 0));
+                let turned = q
+                    .chunks_exact(3)
+                    .flat_map(|u| [y * u[2] - z * u[1], z * u[0] - x * u[2], x * u[1] - y * u[0]]);
+                self.restrict(&turned.collect::<Vec<_>>())
+            })
+            .collect();
+        Mat::from_fn(self.size(), columns.len(), |i, j| columns[j][i])
+    }
+
+    /// Rigid motions that no constraint and no bearing stiffness resists: their names, and the free
+    /// coordinates in columns.
+    pub fn rigid_motions(&self) -> (Vec<String>, Mat<f64>) {
+        let (springs, coupled) = (self.springs(), self.coupled_rows());
+        self.rigid_motions_on(&springs.iter().map(|s| &s.row).chain(&coupled).collect::<Vec<_>>())
+    }
+
+    /// Displacements that cross-coupling acts between, as rows over coordinates before constraints.
+    pub(super) fn coupled_rows(&self) -> Vec<Vec<(usize, f64)>> {
+        let coupled = self.model.bearings.iter().filter(|b| b.stiffness[0][1] != b.stiffness[1][0]);
+        coupled.flat_map(|b| attachments::bearing_rows(self.model, &self.numbering, b)).collect()
+    }
+
+    /// Rigid motions that no constraint resists and for which none of the displacements `held` (rows over coordinates
+    /// before constraints) is above zero.
+    pub fn rigid_motions_on(&self, held: &[&Vec<(usize, f64)>]) -> (Vec<String>, Mat<f64>) {
+        let motions = self.all_rigid_motions();
+        let null = self.rigid_combinations(held);
+        let names = null.iter().map(motion_name).collect();
+        let columns: Vec<Vec<f64>> = null
+            .iter()
+            .map(|c| {
+                let q: Vec<f64> =
+                    (0..self.numbering.len()).map(|i| (0..6).map(|m| c[m] * motions[m][i]).sum()).collect();
+                self.restrict(&q)
+            })
+            .collect();
+        (names, Mat::from_fn(self.size(), columns.len(), |i, j| columns[j][i]))
+    }
+
+    /// The same as combinations of the six rigid motions.
+    pub(super) fn rigid_combinations(&self, held: &[&Vec<(usize, f64)>]) -> Vec<[f64; 6]> {
+        let motions = self.all_rigid_motions();
+        let mut rows: Vec<[f64; 6]> = Vec::new();
+        for (node, row) in &self.constraints {
+            let at = self.numbering.of_node(*node);
+            rows.push(std::array::from_fn(|m| {
+                row.iter().zip(&motions[m][at.clone()]).map(|(a, b)| a * b).sum()
+            }));
+        }
+        let felt = |row: &[(usize, f64)], m: usize| row.iter().map(|&(i, w)| w * motions[m][i]).sum::<f64>();
+        rows.extend(held.iter().map(|row| std::array::from_fn(|m| felt(row, m))));
+        null_space(&rows)
+    }
+}
