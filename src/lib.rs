@@ -17,6 +17,7 @@
 //! | [`scene`] | bodies in contact |
 //! | [`accuracy`] | what members lock or miss, and what rounding takes |
 //! | [`analysis`] | the analyses |
+//! | [`draw`] | what figures are drawn with, as SVG |
 //! | [`plot`], [`report`] | figures, tables and files |
 //! | [`run`], [`validate`], [`study`], [`cli`] | a whole run, expected values, trade-off studies, the command line |
 //!
@@ -40,6 +41,7 @@ pub mod analysis;
 pub mod case;
 pub mod check;
 pub mod cli;
+pub mod draw;
 pub mod element;
 pub mod error;
 pub mod instructions;

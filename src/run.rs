@@ -140,7 +140,7 @@ pub fn run(
         Analysis::Static => {
             let outcome = analysis::statics::statics(&model).map_err(|e| refused(loaded, e))?;
             let report = checked(loaded, &model, outcome);
-            let svg = if plots { plot::spinup::statics(&report)? } else { Vec::new() };
+            let svg = if plots { plot::statics::svg(&report)? } else { Vec::new() };
             finish(&report, svg, table::statics(&report.results))
         }
         Analysis::Spinup => {
@@ -151,7 +151,7 @@ pub fn run(
             let outcome =
                 analysis::spinup::spinup(&model, settings, watch).map_err(|e| refused(loaded, e))?;
             let report = checked(loaded, &model, outcome);
-            let svg = if plots { plot::spinup::spinup(&report)? } else { Vec::new() };
+            let svg = if plots { plot::spinup::svg(&report)? } else { Vec::new() };
             finish(&report, svg, table::spinup(&report.results))
         }
     }
