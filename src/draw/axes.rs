@@ -3,7 +3,7 @@
 use crate::draw::clip::Rect;
 use crate::draw::palette::{BLACK, Font, LABEL_SIZE, LIGHT_GREY, Stroke, TICK_SIZE};
 use crate::draw::pen::Pen;
-use crate::draw::text::{Anchor, axis_label, superscript};
+use crate::draw::text::{Anchor, axis_label, superscript, text_width};
 
 /// Linear map from a quantity to logical pixels.
 #[derive(Debug, Clone, Copy)]
@@ -83,6 +83,8 @@ pub enum Side {
 const LABEL_DISTANCE: (f64, f64) = (43.0, 67.0);
 /// Distance of the label of a logarithmic axis from it, horizontal and vertical axes.
 const DECADES_LABEL_DISTANCE: (f64, f64) = (44.0, 80.0);
+/// Greatest distance of a label from a vertical axis.
+const FARTHEST_LABEL: f64 = 84.0;
 /// Distance of the labels of ticks from horizontal axes (their centres) and from vertical ones (their ends).
 const TICK_LABEL_DISTANCE: (f64, f64) = (17.0, 9.0);
 
@@ -93,8 +95,13 @@ pub fn axis(pen: &mut Pen, side: Side, at: f64, scale: Scale, quantity: &str, un
     let ticks = ticks(scale.low, scale.high, (scale.end - scale.start).abs() / spacing);
     let words = axis_label(quantity, unit, ticks.exponent);
     let marks = ticks.marks.into_iter();
-    let marks = marks.map(|(value, label)| Tick { at: scale.pixel(value), length: TICK, label }).collect();
-    draw(pen, side, at, (scale.start + scale.end) / 2.0, marks, &words, LABEL_DISTANCE);
+    let marks: Vec<Tick> =
+        marks.map(|(value, label)| Tick { at: scale.pixel(value), length: TICK, label }).collect();
+    // wide labels push the words away, as far as there is room
+    let widest = marks.iter().map(|tick| text_width(&tick.label, TICK_SIZE)).fold(0.0, f64::max);
+    let clear = TICK_LABEL_DISTANCE.1 + widest + 0.7 * LABEL_SIZE;
+    let distances = (LABEL_DISTANCE.0, clear.clamp(LABEL_DISTANCE.1, FARTHEST_LABEL));
+    draw(pen, side, at, (scale.start + scale.end) / 2.0, marks, &words, distances);
 }
 
 /// Length of a tick with a label, and of one without.

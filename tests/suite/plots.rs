@@ -138,7 +138,14 @@ fn figures_of_statics_and_spin_up_are_complete() {
                 ("energy.svg", &["kinetic", "strain", "work of the drive", "lost by the integrator", "J"]),
             ],
         ),
-        ("iftomm-runup", Analysis::Spinup, &[("orbit.svg", &["Displacement along y", "largest radius"])]),
+        (
+            "iftomm-runup",
+            Analysis::Spinup,
+            &[
+                ("orbit.svg", &["Displacement along y", "largest radius"]),
+                ("section.svg", &["Displacement", "-0.1326"]),
+            ],
+        ),
     ];
     for (stem, analysis, figures) in wanted {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("cases/{stem}.json"));
