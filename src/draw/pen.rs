@@ -100,6 +100,12 @@ impl<'a> Pen<'a> {
         self.keep(outcome);
     }
 
+    /// Draws a circle that covers nothing.
+    pub fn circle(&mut self, center: Point, radius: f64, color: Color, width: f64) {
+        let outcome = self.svg.draw_circle(place(center), units(radius), &style(color, width), false);
+        self.keep(outcome);
+    }
+
     /// Draws a white circle with a coloured rim.
     pub fn ring(&mut self, center: Point, radius: f64, color: Color, width: f64) {
         let fill = WHITE.to_backend_color();

@@ -286,7 +286,7 @@ fn paint(pen: &mut Pen, frame: Rect, results: &Tradeoff, spots: &[Spot<'_>]) {
         pen.group("point", &words_of(spot), |pen| pen.marker(pixel(spot), spot.marker, 5.4, FRONT));
     }
     for spot in spots.iter().filter(|s| !s.point.warnings.is_empty()) {
-        pen.group("warned", &words_of(spot), |pen| pen.ring(pixel(spot), 7.0, palette::BLACK, 1.0));
+        pen.group("warned", &words_of(spot), |pen| pen.circle(pixel(spot), 7.0, palette::BLACK, 1.0));
     }
     let chosen = results.choice.as_ref().map(|c| c.point);
     if let Some(spot) = spots.iter().find(|s| Some(s.index) == chosen) {
