@@ -264,7 +264,7 @@ fn paint(pen: &mut Pen, frame: Rect, results: &Tradeoff, spots: &[Spot<'_>]) {
         pen.group("target", &format!("error asked for: {target:e}"), |pen| pen.path(&ends, TARGET_LINE));
     }
     for spot in spots.iter().filter(|s| !s.point.pareto) {
-        pen.group("point", &words_of(spot), |pen| pen.marker(pixel(spot), spot.marker, 4.2, OTHER));
+        paint_point(pen, spot, pixel(spot), (4.2, OTHER));
     }
     let mut steps: Vec<Point> = Vec::new();
     for spot in &front {
@@ -283,10 +283,7 @@ fn paint(pen: &mut Pen, frame: Rect, results: &Tradeoff, spots: &[Spot<'_>]) {
         }
     });
     for spot in &front {
-        pen.group("point", &words_of(spot), |pen| pen.marker(pixel(spot), spot.marker, 5.4, FRONT));
-    }
-    for spot in spots.iter().filter(|s| !s.point.warnings.is_empty()) {
-        pen.group("warned", &words_of(spot), |pen| pen.circle(pixel(spot), 7.0, palette::BLACK, 1.0));
+        paint_point(pen, spot, pixel(spot), (5.4, FRONT));
     }
     let chosen = results.choice.as_ref().map(|c| c.point);
     if let Some(spot) = spots.iter().find(|s| Some(s.index) == chosen) {
@@ -302,6 +299,16 @@ fn paint(pen: &mut Pen, frame: Rect, results: &Tradeoff, spots: &[Spot<'_>]) {
             let font = Font::new(palette::SMALL_SIZE);
             let font = if Some(spot.index) == chosen { font.bold() } else { font };
             pen.text((place.right, place.center().1), label, font, Anchor::Right);
+        }
+    });
+}
+
+/// Draws a point, with a ring if its run warned.
+fn paint_point(pen: &mut Pen, spot: &Spot<'_>, at: Point, (radius, color): (f64, Color)) {
+    pen.group("point", &words_of(spot), |pen| {
+        pen.marker(at, spot.marker, radius, color);
+        if !spot.point.warnings.is_empty() {
+            pen.circle(at, 7.0, palette::BLACK, 1.0);
         }
     });
 }
