@@ -26,6 +26,9 @@
 //! # Ok::<(), rotor::Error>(())
 //! ```
 //!
+//! The features `cli` (the program, with its arguments and progress) and `plot` (figures) are on by default; without them the library
+//! computes and reports alone.
+//!
 //! The folder `examples` holds more. The case format is that of the program: `rotor schema` prints it.
 //!
 //! # Inside
@@ -48,6 +51,7 @@
 //! | `scene` | bodies in contact |
 //! | `accuracy` | what members lock or miss, and what rounding takes |
 //! | `analysis` | the analyses |
+//! | `draw` | what figures are drawn with, as SVG |
 //! | `plot`, `report` | figures, tables and files |
 //! | `run` | a whole run of one analysis, and what the program knows of each |
 //! | `rotor` | the face of the library |
@@ -61,8 +65,12 @@ pub mod analysis;
 pub mod case;
 #[doc(hidden)]
 pub mod check;
+#[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
+#[cfg(feature = "plot")]
+#[doc(hidden)]
+pub mod draw;
 #[doc(hidden)]
 pub mod element;
 pub mod error;
@@ -74,8 +82,12 @@ pub mod integrate;
 pub mod linalg;
 #[doc(hidden)]
 pub mod model;
+#[cfg(feature = "plot")]
 #[doc(hidden)]
 pub mod plot;
+#[cfg(not(feature = "plot"))]
+#[path = "no_plot.rs"]
+mod plot;
 #[doc(hidden)]
 pub mod report;
 pub mod results;

@@ -2,13 +2,20 @@
 //! table of them. Legend and table stand beside the axes, names of branches in a gutter at their right ends,
 //! numbers of critical speeds wherever they cover least.
 
-use std::f64::consts::TAU;
+mod curves;
 
-use plotters::style::text_anchor::HPos;
-
+use crate::draw::axes::{self, Scale, Side};
+use crate::draw::clip::{self, Point, Rect};
+use crate::draw::labels::{self, Obstacles};
+use crate::draw::palette::{self, Color, Font, Line, Marker, Stroke};
+use crate::draw::pen::Pen;
+use crate::draw::sheet::{self, FooterWords, Sample};
+use crate::draw::text::{self, Anchor};
 use crate::error::Result;
-use crate::plot::style::{self, Canvas, Font, Marker, Point, Rect, Sample, Scale, Side, Stroke};
-use crate::results::{Branch, Campbell, CriticalSpeed, ModeKind, Report, Whirl};
+use crate::plot::campbell::curves::{
+    Curve, Mark, Order, RPM, Sampled, marks, orders, speed_range, top_frequency,
+};
+use crate::results::{Campbell, Figures, ModeKind, Report, Whirl};
 
 const WIDTH: f64 = 1120.0;
 const HEIGHT: f64 = 780.0;
@@ -26,150 +33,44 @@ const NAME_SIZE: f64 = 14.0;
 /// Names smaller than this could not be read.
 const LEAST_NAME_SIZE: f64 = 8.0;
 const LONGEST_NAME: f64 = 80.0;
-/// Rounding alone must not mark a neutral branch as unstable.
-const UNSTABLE_BELOW: f64 = -1e-9;
-const RPM: f64 = 60.0 / TAU;
-const ORDER_STROKE: Stroke = Stroke { color: style::GREY, width: 1.2, line: style::Line::DashDot };
-const LEADER: Stroke = Stroke::solid(style::GREY, 0.9);
-const RANGE: style::Color = style::PALE_RED;
+const ORDER_STROKE: Stroke = Stroke { color: palette::GREY, width: 1.2, line: Line::DashDot };
+const LEADER: Stroke = Stroke::solid(palette::GREY, 0.9);
+const RANGE: Color = palette::PALE_RED;
 const RANGE_SAMPLE: Stroke = Stroke::solid(RANGE, 11.0);
-const BAND: Stroke = Stroke::solid(style::LIGHT_RED, 9.0);
+const BAND: Stroke = Stroke::solid(palette::LIGHT_RED, 9.0);
 
 /// The diagram as SVG text; the same report always gives the same text.
-pub fn svg(report: &Report<Campbell>) -> Result<String> {
-    style::figure(WIDTH, HEIGHT, |canvas| paint(canvas, report))
+pub fn svg(report: &Report<Campbell>) -> Result<Figures> {
+    sheet::figure(WIDTH, HEIGHT, |pen| paint(pen, report)).map(|svg| vec![("campbell.svg".to_owned(), svg)])
 }
 
-fn paint(canvas: &mut Canvas, report: &Report<Campbell>) {
+fn paint(pen: &mut Pen, report: &Report<Campbell>) {
     let title = format!(
         "Campbell diagram, {} frame, {} form: {}",
         report.results.frame, report.results.form, report.case.title
     );
-    style::title(canvas, WIDTH, &title);
-    let below_title = style::below_title(WIDTH, &title);
+    sheet::title(pen, WIDTH, &title);
+    let below_title = sheet::below_title(WIDTH, &title);
     let diagram = Diagram::new(&report.results, below_title);
-    let mut obstacles = Obstacles::new(&diagram);
-    diagram.paint_ranges(canvas);
-    diagram.paint_axes(canvas);
-    diagram.paint_orders(canvas, &mut obstacles);
-    diagram.paint_curves(canvas);
-    let unnamed = diagram.paint_names(canvas, &mut obstacles);
-    diagram.paint_criticals(canvas, &mut obstacles);
+    let mut obstacles = diagram.obstacles();
+    diagram.paint_ranges(pen);
+    diagram.paint_axes(pen);
+    diagram.paint_orders(pen, &mut obstacles);
+    diagram.paint_curves(pen);
+    let unnamed = diagram.paint_names(pen, &mut obstacles);
+    diagram.paint_criticals(pen, &mut obstacles);
     let notes = diagram.notes(unnamed);
-    diagram.paint_panel(canvas, below_title, &notes);
+    diagram.paint_panel(pen, below_title, &notes);
     let results = &report.results;
     let remarks = format!(
         "Frequencies as seen in the {} frame; {} form; gyroscopic terms: {}. {}",
         results.frame,
         results.form,
         results.gyroscopic,
-        style::failed_checks(&report.diagnostics)
+        sheet::failed_checks(&report.diagnostics)
     );
-    let words = style::FooterWords { remarks, content: style::model_words(&report.model) };
-    style::footer(canvas, (WIDTH, HEIGHT), &report.case, report.rotor, &words);
-}
-
-/// A point of a branch.
-#[derive(Debug, Clone, Copy)]
-struct Sampled {
-    rpm: f64,
-    hz: f64,
-    unstable: bool,
-    whirl: Whirl,
-}
-
-/// A branch as unbroken stretches.
-struct Curve<'a> {
-    branch: &'a Branch,
-    stretches: Vec<Vec<Sampled>>,
-}
-
-impl<'a> Curve<'a> {
-    fn new(branch: &'a Branch, speeds: &[f64]) -> Self {
-        let mut stretches: Vec<Vec<Sampled>> = vec![Vec::new()];
-        for (index, (speed, frequency)) in speeds.iter().zip(&branch.frequency_rad_s).enumerate() {
-            let unstable =
-                branch.log_decrement.get(index).copied().flatten().is_some_and(|d| d < UNSTABLE_BELOW);
-            match frequency {
-                Some(frequency) if frequency.is_finite() && speed.is_finite() => {
-                    let whirl = branch.whirl_at_speed.get(index).copied().unwrap_or(branch.whirl);
-                    let sampled = Sampled { rpm: speed * RPM, hz: frequency / TAU, unstable, whirl };
-                    if let Some(stretch) = stretches.last_mut() {
-                        stretch.push(sampled);
-                    }
-                }
-                _ => stretches.push(Vec::new()),
-            }
-        }
-        stretches.retain(|stretch| !stretch.is_empty());
-        Self { branch, stretches }
-    }
-
-    fn samples(&self) -> impl Iterator<Item = &Sampled> {
-        self.stretches.iter().flatten()
-    }
-
-    /// Sense at the highest speed at which it is drawn.
-    fn last_whirl(&self) -> Whirl {
-        self.samples().last().map_or(self.branch.whirl, |sampled| sampled.whirl)
-    }
-
-    /// Stretches of one sense; neighbours meet halfway between the speeds at which they differ.
-    fn by_whirl(&self) -> Vec<(Whirl, Vec<Sampled>)> {
-        let mut runs: Vec<(Whirl, Vec<Sampled>)> = Vec::new();
-        for stretch in &self.stretches {
-            let mut before: Option<Sampled> = None;
-            for &sampled in stretch {
-                match (before, runs.last_mut()) {
-                    (Some(_), Some((whirl, run))) if *whirl == sampled.whirl => run.push(sampled),
-                    (Some(last), Some((_, run))) => {
-                        let halfway = |whirl| Sampled {
-                            rpm: (last.rpm + sampled.rpm) / 2.0,
-                            hz: (last.hz + sampled.hz) / 2.0,
-                            unstable: sampled.unstable,
-                            whirl,
-                        };
-                        run.push(halfway(last.whirl));
-                        runs.push((sampled.whirl, vec![halfway(sampled.whirl), sampled]));
-                    }
-                    _ => runs.push((sampled.whirl, vec![sampled])),
-                }
-                before = Some(sampled);
-            }
-        }
-        runs
-    }
-
-    fn highest(&self) -> Option<f64> {
-        self.samples().map(|sampled| sampled.hz).reduce(f64::max)
-    }
-
-    fn is_unstable(&self) -> bool {
-        self.samples().any(|sampled| sampled.unstable)
-    }
-
-    /// Frequency at a speed inside one of the stretches.
-    fn at(&self, rpm: f64) -> Option<f64> {
-        let pairs = self.stretches.iter().flat_map(|stretch| stretch.windows(2));
-        let around = pairs.map(|pair| (pair[0], pair[1])).find(|(a, b)| a.rpm <= rpm && rpm <= b.rpm);
-        around.map(|(a, b)| {
-            let fraction = if b.rpm > a.rpm { (rpm - a.rpm) / (b.rpm - a.rpm) } else { 0.0 };
-            a.hz + fraction * (b.hz - a.hz)
-        })
-    }
-}
-
-/// A critical speed as drawn.
-struct Mark<'a> {
-    critical: &'a CriticalSpeed,
-    rpm: f64,
-    hz: f64,
-}
-
-/// An excitation line `frequency = slope * speed`.
-struct Order {
-    slope: f64,
-    label: String,
+    let words = FooterWords { remarks, content: sheet::model_words(&report.model) };
+    sheet::footer(pen, (WIDTH, HEIGHT), &report.case, report.rotor, &words);
 }
 
 /// Everything needed to paint the axes' inside.
@@ -196,12 +97,12 @@ impl<'a> Diagram<'a> {
         let inside = marks.iter().filter(|mark| low <= mark.rpm && mark.rpm <= high).map(|mark| mark.hz);
         let top =
             top_frequency(&curves, inside.reduce(f64::max).unwrap_or(0.0), high.abs().max(low.abs()) / 60.0);
-        let spine = WIDTH - style::MARGIN - PANEL_WIDTH - RIGHT_AXIS_WIDTH;
+        let spine = WIDTH - sheet::MARGIN - PANEL_WIDTH - RIGHT_AXIS_WIDTH;
         let frame = Rect {
             left: FRAME_LEFT,
             top: below_title + AXIS_HEIGHT,
             right: spine - gutter(results, &orders),
-            bottom: HEIGHT - style::FOOTER_HEIGHT - AXIS_HEIGHT - 8.0,
+            bottom: HEIGHT - sheet::FOOTER_HEIGHT - AXIS_HEIGHT - 8.0,
         };
         let x = Scale { low, high, start: frame.left, end: frame.right };
         let y = Scale { low: 0.0, high: top, start: frame.bottom, end: frame.top };
@@ -227,12 +128,23 @@ impl<'a> Diagram<'a> {
         let pixels = self.pixels(stretch);
         match pixels[..] {
             [point] if self.frame.contains(point) => vec![vec![point]],
-            _ => style::clip(&pixels, self.frame),
+            _ => clip::clip(&pixels, self.frame),
         }
     }
 
+    /// What labels inside the frame should not cover.
+    fn obstacles(&self) -> Obstacles {
+        let inside = self.marks.iter().filter(|mark| self.is_inside(mark));
+        let mut obstacles =
+            Obstacles::new(self.frame, inside.map(|mark| self.point(mark.rpm, mark.hz)).collect());
+        for part in self.curves.iter().flat_map(|curve| self.visible(curve)) {
+            obstacles.add_line(&part);
+        }
+        obstacles
+    }
+
     /// Shades the unstable ranges over the whole height, the narrowest still visible.
-    fn paint_ranges(&self, canvas: &mut Canvas) {
+    fn paint_ranges(&self, pen: &mut Pen) {
         for &(from, to) in &self.ranges {
             let (left, right) = (self.x.pixel(from), self.x.pixel(to));
             let (middle, half) = ((left + right) / 2.0, ((right - left) / 2.0).max(0.75));
@@ -240,21 +152,26 @@ impl<'a> Diagram<'a> {
             let left = (middle - half).clamp(frame.left, frame.right);
             let right = (middle + half).clamp(frame.left, frame.right);
             if left < right {
-                canvas.fill_rect(Rect { left, right, top: frame.top, bottom: frame.bottom }, RANGE);
+                let [from, to] = [from, to].map(|rpm| text::significant(rpm, 5));
+                let words = format!("unstable from {from} to {to} rpm");
+                let place = Rect { left, right, top: frame.top, bottom: frame.bottom };
+                pen.group("unstable", &words, |pen| pen.fill_rect(place, RANGE));
             }
         }
     }
 
-    fn paint_axes(&self, canvas: &mut Canvas) {
+    fn paint_axes(&self, pen: &mut Pen) {
         let frame = self.frame;
-        style::grid(canvas, frame, self.x, self.y);
-        let black = Stroke::solid(style::BLACK, 1.2);
-        canvas.frame(frame, black);
-        canvas.path(&[(self.spine, frame.top), (self.spine, frame.bottom)], black);
-        style::axis(canvas, Side::Bottom, frame.bottom, self.x, "Spin speed", "rpm");
-        style::axis(canvas, Side::Top, frame.top, self.x.times(1.0 / RPM), "Spin speed", "rad/s");
-        style::axis(canvas, Side::Left, frame.left, self.y, "Whirl frequency", "Hz");
-        style::axis(canvas, Side::Right, self.spine, self.y.times(60.0), "Whirl frequency", "cpm");
+        axes::grid(pen, frame, self.x, self.y);
+        let black = Stroke::solid(palette::BLACK, 1.2);
+        pen.group("axes", "", |pen| {
+            pen.frame(frame, black);
+            pen.path(&[(self.spine, frame.top), (self.spine, frame.bottom)], black);
+            axes::axis(pen, Side::Bottom, frame.bottom, self.x, "Spin speed", "rpm");
+            axes::axis(pen, Side::Top, frame.top, self.x.times(1.0 / RPM), "Spin speed", "rad/s");
+            axes::axis(pen, Side::Left, frame.left, self.y, "Whirl frequency", "Hz");
+            axes::axis(pen, Side::Right, self.spine, self.y.times(60.0), "Whirl frequency", "cpm");
+        });
     }
 
     fn order_line(&self, slope: f64) -> Vec<Vec<Point>> {
@@ -265,38 +182,52 @@ impl<'a> Diagram<'a> {
         }
         let pixels: Vec<Point> =
             speeds.into_iter().map(|rpm| self.point(rpm, slope * rpm.abs() / 60.0)).collect();
-        style::clip(&pixels, self.frame)
+        clip::clip(&pixels, self.frame)
     }
 
-    fn paint_orders(&self, canvas: &mut Canvas, obstacles: &mut Obstacles) {
+    fn paint_orders(&self, pen: &mut Pen, obstacles: &mut Obstacles) {
         for order in &self.orders {
-            for part in self.order_line(order.slope) {
-                canvas.path(&part, ORDER_STROKE);
-                obstacles.add_line(&part);
-            }
+            let parts = self.order_line(order.slope);
+            pen.group("order", &order.label, |pen| {
+                parts.iter().for_each(|part| pen.path(part, ORDER_STROKE))
+            });
+            parts.iter().for_each(|part| obstacles.add_line(part));
         }
     }
 
-    fn paint_curves(&self, canvas: &mut Canvas) {
-        for stretch in self.curves.iter().flat_map(|curve| &curve.stretches) {
-            for run in stretch.split(|sampled| !sampled.unstable) {
-                match self.pixels(run)[..] {
-                    [] => {}
-                    [point] if self.frame.contains(point) => canvas.disc(point, 7.0, BAND.color),
-                    ref pixels => {
-                        style::clip(pixels, self.frame).iter().for_each(|part| canvas.path(part, BAND));
-                    }
-                }
-            }
+    fn paint_curves(&self, pen: &mut Pen) {
+        for curve in self.curves.iter().filter(|curve| curve.is_unstable()) {
+            pen.group("growing", &format!("{}, unstable here", curve.words()), |pen| {
+                self.paint_band(pen, curve)
+            });
         }
         // Broken lines come last: where branches coincide, both stay visible.
-        let runs: Vec<(Whirl, Vec<Sampled>)> = self.curves.iter().flat_map(Curve::by_whirl).collect();
+        let runs: Vec<_> = self.curves.iter().map(|curve| (curve.words(), curve.by_whirl())).collect();
         for layer in [Whirl::Forward, Whirl::Backward, Whirl::Mixed, Whirl::None] {
             let stroke = Stroke::whirl(layer);
-            for part in runs.iter().filter(|(w, _)| *w == layer).flat_map(|(_, run)| self.parts(run)) {
-                match part[..] {
-                    [point] => canvas.marker(point, Marker::whirl(layer), 4.5, stroke.color),
-                    _ => canvas.path(&part, stroke),
+            for (words, runs) in &runs {
+                let runs = runs.iter().filter(|(whirl, _)| *whirl == layer);
+                pen.group("branch", words, |pen| {
+                    for part in runs.flat_map(|(_, run)| self.parts(run)) {
+                        match part[..] {
+                            [point] => pen.marker(point, Marker::whirl(layer), 4.5, stroke.color),
+                            _ => pen.path(&part, stroke),
+                        }
+                    }
+                });
+            }
+        }
+    }
+
+    /// A wide band under the unstable stretches of a curve.
+    fn paint_band(&self, pen: &mut Pen, curve: &Curve) {
+        let runs = curve.stretches.iter().flat_map(|stretch| stretch.split(|sampled| !sampled.unstable));
+        for run in runs {
+            match self.pixels(run)[..] {
+                [] => {}
+                [point] if self.frame.contains(point) => pen.disc(point, 7.0, BAND.color),
+                ref pixels => {
+                    clip::clip(pixels, self.frame).iter().for_each(|part| pen.path(part, BAND));
                 }
             }
         }
@@ -309,7 +240,7 @@ impl<'a> Diagram<'a> {
     }
 
     /// Writes the names of orders and branches and returns how many found no room.
-    fn paint_names(&self, canvas: &mut Canvas, obstacles: &mut Obstacles) -> usize {
+    fn paint_names(&self, pen: &mut Pen, obstacles: &mut Obstacles) -> usize {
         let column = self.column();
         let (mut aligned, mut elsewhere) = (Vec::new(), Vec::new());
         for curve in &self.curves {
@@ -328,25 +259,27 @@ impl<'a> Diagram<'a> {
             let Some(part) = self.order_line(order.slope).pop() else { continue };
             let (Some(&from), Some(&end)) = (part.first(), part.last()) else { continue };
             if end.0 >= self.frame.right - 0.5 && column >= self.frame.right - 1.0 {
-                aligned.push(Name { words: &order.label, color: style::DARK_GREY, end, clear: 1.0 });
+                aligned.push(Name { words: &order.label, color: palette::DARK_GREY, end, clear: 1.0 });
             } else {
-                paint_order_name(canvas, obstacles, &order.label, (from, end));
+                paint_order_name(pen, obstacles, &order.label, (from, end));
             }
         }
         aligned.sort_by(|a, b| a.end.1.total_cmp(&b.end.1));
-        let unnamed = self.paint_column(canvas, obstacles, &aligned);
-        for name in elsewhere {
-            let words = style::shorten(name.words, NAME_SIZE, LONGEST_NAME);
-            let size = (style::text_width(&words, NAME_SIZE) + 2.0, NAME_SIZE);
-            let place = obstacles.near(name.end, size);
-            canvas.path(&[name.end, nearest(place, name.end)], LEADER);
-            canvas.text(place.center(), &words, Font::new(NAME_SIZE).color(name.color), HPos::Center);
-        }
-        unnamed
+        pen.group("names", "", |pen| {
+            let unnamed = self.paint_column(pen, obstacles, &aligned);
+            for name in elsewhere {
+                let words = text::shorten(name.words, NAME_SIZE, LONGEST_NAME);
+                let size = (text::text_width(&words, NAME_SIZE) + 2.0, NAME_SIZE);
+                let place = obstacles.near(name.end, size);
+                pen.path(&[name.end, labels::nearest(place, name.end)], LEADER);
+                pen.text(place.center(), &words, Font::new(NAME_SIZE).color(name.color), Anchor::Center);
+            }
+            unnamed
+        })
     }
 
     /// Names of the lines that reach the highest speed, one below the other.
-    fn paint_column(&self, canvas: &mut Canvas, obstacles: &mut Obstacles, names: &[Name]) -> usize {
+    fn paint_column(&self, pen: &mut Pen, obstacles: &mut Obstacles, names: &[Name]) -> usize {
         let height = self.frame.height();
         let room = (height / LEAST_NAME_SIZE) as usize;
         // Lowest frequencies stand last and are the ones to keep.
@@ -354,44 +287,44 @@ impl<'a> Diagram<'a> {
         let size = (height / names.len().max(1) as f64 / 1.25).clamp(LEAST_NAME_SIZE / 1.1, NAME_SIZE);
         let wanted: Vec<f64> = names.iter().map(|name| name.end.1).collect();
         let half = size / 2.0;
-        let rows = style::spread(&wanted, size * 1.1, self.frame.top + half, self.frame.bottom - half);
-        for (name, y) in names.iter().zip(rows) {
-            let words = style::shorten(name.words, size, LONGEST_NAME);
+        let rows = labels::spread(&wanted, size * 1.1, self.frame.top + half, self.frame.bottom - half);
+        for (name, y) in names.iter().zip(&rows) {
             let (end, start) = (name.end, name.end.0 + name.clear);
             let left = start + 14.0;
-            canvas.path(&[(start, end.1), (start + 2.0, end.1), (left - 5.0, y), (left - 2.0, y)], LEADER);
-            canvas.text((left, y), &words, Font::new(size).color(name.color), HPos::Left);
-            let right = left + style::text_width(&words, size);
-            obstacles.boxes.push(Rect { left: end.0, top: y - half, right, bottom: y + half });
+            pen.path(&[(start, end.1), (start + 2.0, end.1), (left - 5.0, *y), (left - 2.0, *y)], LEADER);
+        }
+        for (name, y) in names.iter().zip(rows) {
+            let words = text::shorten(name.words, size, LONGEST_NAME);
+            let left = name.end.0 + name.clear + 14.0;
+            pen.text((left, y), &words, Font::new(size).color(name.color), Anchor::Left);
+            let right = left + text::text_width(&words, size);
+            obstacles.add_label(Rect { left: name.end.0, top: y - half, right, bottom: y + half });
         }
         unnamed.len()
     }
 
-    fn paint_criticals(&self, canvas: &mut Canvas, obstacles: &mut Obstacles) {
-        let drawn: Vec<(usize, Point, bool)> = self
-            .marks
-            .iter()
-            .enumerate()
-            .filter(|(_, mark)| self.is_inside(mark))
-            .map(|(index, mark)| (index, self.point(mark.rpm, mark.hz), mark.critical.damped))
-            .collect();
-        let numbered: Vec<(usize, Point)> = drawn
-            .iter()
-            .filter(|(index, ..)| *index < LISTED)
-            .map(|&(index, point, _)| (index, point))
-            .collect();
-        let places: Vec<Rect> =
-            numbered.iter().map(|&(_, point)| obstacles.near(point, (21.0, 21.0))).collect();
-        for (&(_, point), place) in numbered.iter().zip(&places) {
-            canvas.path(&[point, place.center()], Stroke::solid(style::BLACK, 0.9));
-        }
-        for (_, point, damped) in drawn {
-            canvas.marker(point, critical_marker(damped), 3.6, style::BLACK);
-        }
-        for ((index, _), place) in numbered.iter().zip(&places) {
-            canvas.ring(place.center(), 9.6, style::BLACK, 1.1);
-            let number = (index + 1).to_string();
-            canvas.text(place.center(), &number, Font::new(12.0).bold(), HPos::Center);
+    fn paint_criticals(&self, pen: &mut Pen, obstacles: &mut Obstacles) {
+        let inside = self.marks.iter().enumerate().filter(|(_, mark)| self.is_inside(mark));
+        let drawn: Vec<(usize, &Mark, Point)> =
+            inside.map(|(index, mark)| (index + 1, mark, self.point(mark.rpm, mark.hz))).collect();
+        let place = |&(number, _, point): &(usize, &Mark, Point)| {
+            (number <= LISTED).then(|| obstacles.near(point, (21.0, 21.0)))
+        };
+        let places: Vec<Option<Rect>> = drawn.iter().map(place).collect();
+        pen.group("leaders", "", |pen| {
+            for ((_, _, point), place) in drawn.iter().zip(&places) {
+                let ends = place.map(|place| [*point, place.center()]);
+                ends.iter().for_each(|ends| pen.path(ends, Stroke::solid(palette::BLACK, 0.9)));
+            }
+        });
+        for ((number, mark, point), place) in drawn.iter().zip(&places) {
+            pen.group("critical", &mark.words(*number), |pen| {
+                pen.marker(*point, critical_marker(mark.critical.damped), 3.6, palette::BLACK);
+                if let Some(place) = place {
+                    pen.ring(place.center(), 9.6, palette::BLACK, 1.1);
+                    pen.text(place.center(), &number.to_string(), Font::new(12.0).bold(), Anchor::Center);
+                }
+            });
         }
     }
 
@@ -421,7 +354,7 @@ impl<'a> Diagram<'a> {
         if self.marks.iter().take(LISTED).any(|mark| !self.is_inside(mark)) {
             notes.push("Grey rows lie outside the diagram".to_owned());
         }
-        notes.iter().flat_map(|note| style::wrap(note, style::SMALL_SIZE, PANEL_WIDTH, 3)).collect()
+        notes.iter().flat_map(|note| text::wrap(note, palette::SMALL_SIZE, PANEL_WIDTH, 3)).collect()
     }
 
     fn legend(&self) -> Vec<(Sample, String)> {
@@ -441,7 +374,7 @@ impl<'a> Diagram<'a> {
             }
         }
         if self.curves.iter().any(Curve::is_unstable) {
-            let sample = Sample::Band(BAND, Stroke::solid(style::BLACK, 1.5));
+            let sample = Sample::Band(BAND, Stroke::solid(palette::BLACK, 1.5));
             entries.push((sample, "unstable".to_owned()));
         }
         if !self.ranges.is_empty() {
@@ -450,63 +383,68 @@ impl<'a> Diagram<'a> {
         entries.push((Sample::Stroke(ORDER_STROKE), "excitation order".to_owned()));
         for (damped, words) in [(false, "critical speed"), (true, "critical speed, damped (d)")] {
             if self.marks.iter().any(|mark| mark.critical.damped == damped) {
-                entries.push((Sample::Marker(critical_marker(damped), style::BLACK), words.to_owned()));
+                entries.push((Sample::Marker(critical_marker(damped), palette::BLACK), words.to_owned()));
             }
         }
         entries
     }
 
-    fn paint_panel(&self, canvas: &mut Canvas, below_title: f64, notes: &[String]) {
-        let left = WIDTH - style::MARGIN - PANEL_WIDTH;
+    fn paint_panel(&self, pen: &mut Pen, below_title: f64, notes: &[String]) {
+        let left = WIDTH - sheet::MARGIN - PANEL_WIDTH;
         let mut y = below_title + 20.0;
-        for (sample, words) in self.legend() {
-            style::legend_entry(canvas, (left, y), PANEL_WIDTH, sample, &words);
-            y += style::LEGEND_ROW;
-        }
+        pen.group("legend", "", |pen| {
+            for (sample, words) in self.legend() {
+                sheet::legend_entry(pen, (left, y), PANEL_WIDTH, sample, &words);
+                y += sheet::LEGEND_ROW;
+            }
+        });
         let notes_height = NOTE_ROW * notes.len() as f64;
-        let bottom = HEIGHT - style::FOOTER_HEIGHT - 12.0;
-        y = self.paint_table(canvas, (left, y + 16.0), bottom - notes_height) + 6.0;
-        for note in notes {
-            let font = Font::new(style::SMALL_SIZE).color(style::DARK_GREY);
-            canvas.text((left, y), note, font, HPos::Left);
-            y += NOTE_ROW;
-        }
+        let bottom = HEIGHT - sheet::FOOTER_HEIGHT - 12.0;
+        let below = bottom - notes_height;
+        y = pen.group("table", "", |pen| self.paint_table(pen, (left, y + 16.0), below)) + 6.0;
+        pen.group("notes", "", |pen| {
+            for note in notes {
+                let font = Font::new(palette::SMALL_SIZE).color(palette::DARK_GREY);
+                pen.text((left, y), note, font, Anchor::Left);
+                y += NOTE_ROW;
+            }
+        });
     }
 
     /// Draws the table of critical speeds and returns the y of the line below it.
-    fn paint_table(&self, canvas: &mut Canvas, (left, top): Point, bottom: f64) -> f64 {
+    fn paint_table(&self, pen: &mut Pen, (left, top): Point, bottom: f64) -> f64 {
         let regular = Font::new(13.5);
         let heading = if self.marks.is_empty() { "No critical speeds found" } else { "Critical speeds" };
-        canvas.text((left, top), heading, Font::new(style::LABEL_SIZE).bold(), HPos::Left);
+        pen.text((left, top), heading, Font::new(palette::LABEL_SIZE).bold(), Anchor::Left);
         if self.marks.is_empty() {
             return top + ROW;
         }
         let mut y = top + ROW + 2.0;
-        table_row(canvas, (left, y), ["no.", "rpm", "Hz", "whirl", "branch"], regular.bold());
-        canvas.path(&[(left, y + 10.0), (left + PANEL_WIDTH, y + 10.0)], Stroke::solid(style::BLACK, 0.8));
+        table_row(pen, (left, y), ["no.", "rpm", "Hz", "whirl", "branch"], regular.bold());
+        pen.path(&[(left, y + 10.0), (left + PANEL_WIDTH, y + 10.0)], Stroke::solid(palette::BLACK, 0.8));
         y += 3.0;
         let room = ((bottom - y) / ROW - 1.0).clamp(1.0, LISTED as f64) as usize;
         for (index, mark) in self.marks.iter().take(room).enumerate() {
             y += ROW;
             let critical = mark.critical;
             let number = (index + 1).to_string();
-            let speed = style::significant(critical.speed_rpm, 5);
-            let frequency = style::significant(critical.speed_rpm / 60.0, 5);
+            let speed = text::significant(critical.speed_rpm, 5);
+            let frequency = text::significant(critical.speed_rpm / 60.0, 5);
             let damped = if critical.damped { " (d)" } else { "" };
             let name = critical.branch.as_deref().unwrap_or(kind_word(critical.kind));
-            let branch = style::shorten(
+            let branch = text::shorten(
                 name,
                 regular.size,
-                PANEL_WIDTH - 212.0 - style::text_width(damped, regular.size),
+                PANEL_WIDTH - 212.0 - text::text_width(damped, regular.size),
             ) + damped;
-            let color = if self.is_inside(mark) { style::BLACK } else { style::GREY };
+            let color = if self.is_inside(mark) { palette::BLACK } else { palette::GREY };
             let cells = [&number, &speed, &frequency, whirl_word(critical.whirl), &branch];
-            table_row(canvas, (left, y), cells, regular.color(color));
+            table_row(pen, (left, y), cells, regular.color(color));
         }
         if self.marks.len() > room {
             y += ROW;
             let words = format!("and {} more, see the report", self.marks.len() - room);
-            canvas.text((left, y), &words, regular, HPos::Left);
+            pen.text((left, y), &words, regular, Anchor::Left);
         }
         y + ROW
     }
@@ -515,32 +453,32 @@ impl<'a> Diagram<'a> {
 /// The name of a line, to be written near its end.
 struct Name<'a> {
     words: &'a str,
-    color: style::Color,
+    color: Color,
     end: Point,
     /// Distance that the leader keeps from the end, so that it does not run through a symbol.
     clear: f64,
 }
 
 /// Writes the name of an order inside the frame, beside its line.
-fn paint_order_name(canvas: &mut Canvas, obstacles: &mut Obstacles, name: &str, (from, to): (Point, Point)) {
-    let words = style::shorten(name, style::SMALL_SIZE, 160.0);
-    let size = (style::text_width(&words, style::SMALL_SIZE) + 4.0, style::SMALL_SIZE + 3.0);
+fn paint_order_name(pen: &mut Pen, obstacles: &mut Obstacles, name: &str, (from, to): (Point, Point)) {
+    let words = text::shorten(name, palette::SMALL_SIZE, 160.0);
+    let size = (text::text_width(&words, palette::SMALL_SIZE) + 4.0, palette::SMALL_SIZE + 3.0);
     if let Some(place) = obstacles.along(from, to, size) {
-        let font = Font::new(style::SMALL_SIZE).color(style::DARK_GREY);
-        canvas.text(place.center(), &words, font, HPos::Center);
+        let font = Font::new(palette::SMALL_SIZE).color(palette::DARK_GREY);
+        pen.text(place.center(), &words, font, Anchor::Center);
     }
 }
 
-fn table_row(canvas: &mut Canvas, (left, y): Point, cells: [&str; 5], font: Font) {
+fn table_row(pen: &mut Pen, (left, y): Point, cells: [&str; 5], font: Font) {
     let columns = [
-        (26.0, HPos::Right),
-        (96.0, HPos::Right),
-        (158.0, HPos::Right),
-        (166.0, HPos::Left),
-        (212.0, HPos::Left),
+        (26.0, Anchor::Right),
+        (96.0, Anchor::Right),
+        (158.0, Anchor::Right),
+        (166.0, Anchor::Left),
+        (212.0, Anchor::Left),
     ];
     for (cell, (offset, anchor)) in cells.into_iter().zip(columns) {
-        canvas.text((left + offset, y), cell, font, anchor);
+        pen.text((left + offset, y), cell, font, anchor);
     }
 }
 
@@ -571,199 +509,6 @@ fn kind_word(kind: ModeKind) -> &'static str {
 fn gutter(results: &Campbell, orders: &[Order]) -> f64 {
     let branches = results.branches.iter().map(|branch| branch.name.as_str());
     let names = branches.chain(orders.iter().map(|order| order.label.as_str()));
-    let longest = names.map(|name| style::text_width(name, NAME_SIZE)).fold(14.0, f64::max);
+    let longest = names.map(|name| text::text_width(name, NAME_SIZE)).fold(14.0, f64::max);
     23.0 + longest.min(LONGEST_NAME)
-}
-
-/// Critical speeds with the frequency at which they are drawn. In the stationary frame this is the speed itself; in
-/// the rotating frame it is the branch's own frequency there, or else what the frame's rotation makes of the speed.
-fn marks<'a>(results: &'a Campbell, curves: &[Curve]) -> Vec<Mark<'a>> {
-    let usable = results.critical_speeds.iter().filter(|critical| critical.speed_rpm.is_finite());
-    usable
-        .map(|critical| {
-            let rpm = critical.speed_rpm;
-            let seen = match critical.whirl {
-                _ if results.frame != "rotating" => 1.0,
-                Whirl::Forward => 0.0,
-                Whirl::Backward => 2.0,
-                Whirl::Mixed | Whirl::None => 1.0,
-            };
-            let own = curves.iter().find(|curve| Some(&curve.branch.name) == critical.branch.as_ref());
-            let on_branch = own.filter(|_| results.frame == "rotating").and_then(|curve| curve.at(rpm));
-            Mark { critical, rpm, hz: on_branch.unwrap_or(seen * rpm.abs() / 60.0) }
-        })
-        .collect()
-}
-
-/// Excitation lines. Seen from the rotating frame, an excitation at n times the speed is (n - 1) times the speed for
-/// forward and (n + 1) times for backward whirl; its forward 1x is the zero line. A force fixed in space, gravity,
-/// turns backward at the speed itself.
-fn orders(results: &Campbell) -> Vec<Order> {
-    let further =
-        results.orders.iter().copied().filter(|order| order.is_finite() && *order > 0.0 && *order != 1.0);
-    let factors: Vec<f64> = std::iter::once(1.0).chain(further).collect();
-    if results.frame != "rotating" {
-        return factors.into_iter().map(|slope| Order { slope, label: format!("{slope}x") }).collect();
-    }
-    let mut orders: Vec<Order> = vec![Order { slope: 1.0, label: "gravity".to_owned() }];
-    for factor in factors {
-        for (slope, sense) in [((factor - 1.0).abs(), "fwd"), (factor + 1.0, "bwd")] {
-            let label = format!("{factor}x {sense}");
-            match orders.iter_mut().find(|order| order.slope == slope) {
-                Some(order) => order.label += &format!(", {label}"),
-                None if slope > 0.0 => orders.push(Order { slope, label }),
-                None => {}
-            }
-        }
-    }
-    orders
-}
-
-/// Lowest and highest speed in rpm, widened if there is only one.
-fn speed_range(speeds: &[f64]) -> (f64, f64) {
-    let finite = || speeds.iter().copied().filter(|speed| speed.is_finite()).map(|speed| speed * RPM);
-    let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
-    if low > high {
-        return (0.0, 1.0);
-    }
-    let largest = low.abs().max(high.abs());
-    if high - low > 1e-9 * largest {
-        return (low, high);
-    }
-    let half = if largest > 0.0 { 0.5 * largest } else { 1.0 };
-    (low - half, high + half)
-}
-
-/// Upper end of the frequency axis: all branches, unless some lie so high that they would squeeze the others; all
-/// critical speeds in any case. The speed itself (`one_x`) only loosens the limit.
-fn top_frequency(curves: &[Curve], highest_critical: f64, one_x: f64) -> f64 {
-    let mut highest: Vec<f64> = curves.iter().filter_map(Curve::highest).collect();
-    highest.sort_by(f64::total_cmp);
-    let median = highest.get(highest.len() / 2).copied().unwrap_or(0.0);
-    let limit = (5.0 * one_x).max(8.0 * median);
-    let branches = highest.into_iter().filter(|&hz| hz <= limit).fold(0.0, f64::max);
-    let top = branches.max(highest_critical);
-    let shown = if top > 0.0 { top } else { one_x };
-    if shown > 0.0 { (1.07 * shown).min(f64::MAX / 1e3) } else { 1.0 }
-}
-
-/// What labels inside the frame should not cover.
-struct Obstacles {
-    frame: Rect,
-    boxes: Vec<Rect>,
-    dots: Vec<Point>,
-    samples: Vec<Point>,
-    leaders: Vec<(Point, Point)>,
-}
-
-impl Obstacles {
-    fn new(diagram: &Diagram) -> Self {
-        let inside = diagram.marks.iter().filter(|mark| diagram.is_inside(mark));
-        let mut obstacles = Self {
-            frame: diagram.frame,
-            boxes: Vec::new(),
-            dots: inside.map(|mark| diagram.point(mark.rpm, mark.hz)).collect(),
-            samples: Vec::new(),
-            leaders: Vec::new(),
-        };
-        for part in diagram.curves.iter().flat_map(|curve| diagram.visible(curve)) {
-            obstacles.add_line(&part);
-        }
-        obstacles
-    }
-
-    /// A line weighs by its length, so it counts as points at equal distances.
-    fn add_line(&mut self, line: &[Point]) {
-        self.samples.extend(line.first());
-        for pair in line.windows(2) {
-            let pieces = (style::distance(pair[0], pair[1]) / 4.0).ceil().max(1.0);
-            let inner = (1..=pieces as usize).map(|piece| piece as f64 / pieces);
-            self.samples.extend(inner.map(|fraction| style::between(pair[0], pair[1], fraction)));
-        }
-    }
-
-    /// Badness of a label; labels above all must not lie on one another.
-    fn cost(&self, label: &Rect, leader: Option<(Point, Point)>) -> f64 {
-        let covers = |points: &[Point], margin: f64| {
-            let grown = label.grown(margin);
-            points.iter().filter(|&&point| grown.contains(point)).count() as f64
-        };
-        let count = |hits: usize| hits as f64;
-        let mut cost = covers(&self.samples, 1.0) + 40.0 * covers(&self.dots, 3.0);
-        cost += 1000.0 * count(self.boxes.iter().filter(|other| other.overlaps(&label.grown(1.0))).count());
-        cost += 100.0
-            * count(self.leaders.iter().filter(|l| style::clip_segment(l.0, l.1, *label).is_some()).count());
-        if let Some((from, to)) = leader {
-            cost += 100.0
-                * count(self.boxes.iter().filter(|b| style::clip_segment(from, to, **b).is_some()).count());
-            cost += 30.0 * count(self.leaders.iter().filter(|l| cross(**l, (from, to))).count());
-        }
-        cost
-    }
-
-    /// Takes the best place for a label around a point; its leader starts there.
-    fn near(&mut self, anchor: Point, (width, height): (f64, f64)) -> Rect {
-        let mut best = (f64::INFINITY, Rect::around(anchor, width, height));
-        for ring in 0..10 {
-            let gap = 7.0 + 9.0 * f64::from(ring);
-            for step in 0..24 {
-                let (sine, cosine) = (f64::from(step) * TAU / 24.0).sin_cos();
-                let away = (cosine * (gap + width / 2.0), -sine * (gap + height / 2.0));
-                let place = Rect::around((anchor.0 + away.0, anchor.1 + away.1), width, height);
-                if !self.frame.grown(-1.0).encloses(&place) {
-                    continue;
-                }
-                let leader = (anchor, nearest(place, anchor));
-                let cost = self.cost(&place, Some(leader)) + 0.15 * gap;
-                if cost < best.0 {
-                    best = (cost, place);
-                }
-            }
-        }
-        self.boxes.push(best.1);
-        self.leaders.push((anchor, nearest(best.1, anchor)));
-        best.1
-    }
-
-    /// Takes the best place for a label beside a straight line, near its far end.
-    fn along(&mut self, from: Point, to: Point, (width, height): (f64, f64)) -> Option<Rect> {
-        let length = style::distance(from, to);
-        let mut best: Option<(f64, Rect)> = None;
-        for step in 0..30 {
-            let back = 12.0 + 8.0 * f64::from(step);
-            if back > length {
-                break;
-            }
-            let (x, y) = style::between(to, from, back / length);
-            let (right, down) = (width / 2.0 + 4.0, height / 2.0 + 2.0);
-            for (dx, dy) in
-                [(-right, -down), (right, down), (-right, 0.0), (right, 0.0), (0.0, -down), (0.0, down)]
-            {
-                let place = Rect::around((x + dx, y + dy), width, height);
-                if !self.frame.grown(-1.0).encloses(&place) {
-                    continue;
-                }
-                let cost = self.cost(&place, None) + 0.02 * back;
-                if best.is_none_or(|(least, _)| cost < least) {
-                    best = Some((cost, place));
-                }
-            }
-        }
-        let place = best.map(|(_, place)| place)?;
-        self.boxes.push(place);
-        Some(place)
-    }
-}
-
-/// The point of a rectangle nearest to another point.
-fn nearest(rect: Rect, (x, y): Point) -> Point {
-    (x.clamp(rect.left, rect.right), y.clamp(rect.top, rect.bottom))
-}
-
-/// Whether two segments cross in their insides.
-fn cross((a, b): (Point, Point), (c, d): (Point, Point)) -> bool {
-    let side = |from: Point, to: Point, p: Point| {
-        (to.0 - from.0) * (p.1 - from.1) - (to.1 - from.1) * (p.0 - from.0)
-    };
-    side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
 }

@@ -1,9 +1,11 @@
 //! Plots of `rotor contact`: the scene, gaps and forces, the energy balance, and where the time went.
 
+use crate::draw::clip::Point;
+use crate::draw::palette::{self, Line, Stroke};
+use crate::draw::panels::{self, Curve, Panel, STROKES, Surroundings, figure};
+use crate::draw::text;
 use crate::error::Result;
-use crate::plot::panels::{self, Curve, Panel, STROKES, Surroundings, figure};
-use crate::plot::style::{self, Line, Point, Stroke};
-use crate::results::{Contact, ContactEnergy, ContactHistory, Report, Snapshot};
+use crate::results::{Contact, ContactEnergy, ContactHistory, Figures, Report, Snapshot};
 
 const TIME: (&str, &str) = ("Time", "s");
 /// Height over width of a scene from which it is drawn in two and in three columns.
@@ -19,7 +21,7 @@ const LOW: f64 = 110.0;
 ///
 /// # Errors
 /// A failure of the drawing library.
-pub fn svg(report: &Report<Contact>) -> Result<Vec<(String, String)>> {
+pub fn svg(report: &Report<Contact>) -> Result<Figures> {
     let mut figures = vec![("contact-scene.svg".to_owned(), scene(report)?)];
     if let Some(history) = &report.results.history {
         figures.push(("contact-gap.svg".to_owned(), gap(report, history)?));
@@ -67,7 +69,7 @@ fn scene(report: &Report<Contact>) -> Result<String> {
     let remarks = match resting {
         true => format!(
             "Displacements to scale. Largest penetration {} m.",
-            style::significant(results.largest_penetration_m, 3)
+            text::significant(results.largest_penetration_m, 3)
         ),
         false => format!("Displacements to scale, all frames alike. {}", contacts(results)),
     };
@@ -109,7 +111,7 @@ fn bodies(snapshot: &Snapshot, names: &[&str]) -> Vec<Curve> {
 fn undeformed(snapshot: &Snapshot) -> Vec<Curve> {
     let curve = |(k, outline): (usize, &Vec<[f64; 2]>)| Curve {
         name: if k == 0 { snapshot.label.clone() } else { String::new() },
-        stroke: Stroke { color: style::GREY, width: 1.0, line: Line::Dotted },
+        stroke: Stroke { color: palette::GREY, width: 1.0, line: Line::Dotted },
         points: closed(outline),
     };
     snapshot.outlines.iter().enumerate().map(curve).collect()
@@ -183,8 +185,8 @@ fn contacts(results: &Contact) -> String {
     };
     format!(
         "{count}, the first at {} s, largest penetration {} m.",
-        style::significant(results.events[0].time_s, 4),
-        style::significant(results.largest_penetration_m, 3)
+        text::significant(results.events[0].time_s, 4),
+        text::significant(results.largest_penetration_m, 3)
     )
 }
 
@@ -218,8 +220,8 @@ fn energy(report: &Report<Contact>, time: &[f64], e: &ContactEnergy) -> Result<S
     let remarks = match (report.results.energy_error, report.results.energy_change) {
         (Some(error), Some(change)) => format!(
             "Over the largest kinetic energy the sum changes by at most {} during the run and by {} at its end.",
-            style::significant(error, 3),
-            style::significant(change, 3)
+            text::significant(error, 3),
+            text::significant(change, 3)
         ),
         _ => "Nothing moved.".to_owned(),
     };

@@ -1,8 +1,9 @@
 //! forces.svg: what passes through a shaft in one state, or what its supports, bearings and rings do over time.
 
+use crate::draw::palette::Stroke;
+use crate::draw::panels::{Curve, Panel, STROKES, Surroundings, figure};
+use crate::draw::text::significant;
 use crate::error::Result;
-use crate::plot::panels::{Curve, Panel, STROKES, Surroundings, figure};
-use crate::plot::style::{Stroke, significant};
 use crate::results::{History, Report, SectionForces, Spinup, SupportForces};
 use std::collections::BTreeMap;
 

@@ -1,11 +1,11 @@
-//! Figures of the results as SVG text. Plots see only [`crate::results`], never the model or an analysis, and
-//! the same results always give the same bytes. All figures share the look defined in [`style`].
+//! Figures of the results as SVG text, a file for each analysis. Plots see only [`crate::results`], never the model or an analysis, and
+//! the same results always give the same bytes. All figures are drawn with [`crate::draw`].
 
 pub mod campbell;
 pub mod contact;
 mod forces;
 pub mod modes;
-pub mod panels;
+mod section;
 pub mod spinup;
-pub mod style;
+pub mod statics;
 pub mod tradeoff;

@@ -1,17 +1,15 @@
-//! Plots of `rotor static` and `rotor spinup`: the section, the deformed axis, forces, and a run over time.
+//! Plots of `rotor spinup`: the section, growth, forces, and a run over time.
 
+use crate::draw::clip::Point;
+use crate::draw::palette::{self, Line, Marker, Stroke};
+use crate::draw::panels::{Curve, Mark, Panel, STROKES, Surroundings, figure};
 use crate::error::Result;
 use crate::plot::forces;
-use crate::plot::panels::{Curve, Mark, Panel, STROKES, Surroundings, figure};
-use crate::plot::style::{self, Line, Marker, Point, Stroke};
+use crate::plot::section::section;
 use crate::results::RubContact;
-use crate::results::{
-    History, PointState, Profile, Report, RubSummary, Spinup, Static, StatorHistory, StatorSummary,
-};
+use crate::results::{Figures, History, Report, RubSummary, Spinup, StatorHistory, StatorSummary};
 use std::f64::consts::{PI, TAU};
 
-/// Part of the section's size that its largest displacement takes when drawn.
-const VISIBLE: f64 = 0.15;
 /// Chords of a circle.
 const CIRCLE: usize = 180;
 /// Largest radius of a ring that is drawn, over that of the orbit.
@@ -21,37 +19,11 @@ const ROUND: f64 = 1e-6;
 /// Share of a position within which two are the same.
 const SAME: f64 = 1e-9;
 
-/// Figures as `(file name, SVG text)`.
-type Figures = Vec<(String, String)>;
-
-/// static.svg, section.svg and, where any force passes through the shaft, forces.svg.
-///
-/// # Errors
-/// A failure of the drawing library.
-pub fn statics(report: &Report<Static>) -> Result<Figures> {
-    let results = &report.results;
-    let n = results.axis.len();
-    let x: Vec<f64> = (0..n).map(|k| k as f64 / (n.max(2) - 1) as f64).collect();
-    let component = |c: usize| results.axis.iter().map(|u| u[c]).collect();
-    let panel = Panel::over(
-        ("Position over the shaft's length", "-"),
-        ("Displacement of the axis", "m"),
-        &x,
-        vec![("along x", component(0)), ("along y", component(1)), ("along z", component(2))],
-    );
-    let remarks = format!("Load factor {:.4}.", results.load_factor);
-    let axis = figure(&Surroundings::new(report, "Static equilibrium", remarks.clone()), &[panel], 1)?;
-    let section = section(report, &results.profile, &remarks)?;
-    let mut figures = vec![("static.svg".to_owned(), axis), ("section.svg".to_owned(), section)];
-    figures.extend(forces::along(report, &results.sections, &remarks)?);
-    Ok(figures)
-}
-
 /// section.svg, growth.svg and, where there are forces, forces.svg, and for a transient spinup.svg, orbit.svg and energy.svg, with stators spinup-rub.svg.
 ///
 /// # Errors
 /// A failure of the drawing library.
-pub fn spinup(report: &Report<Spinup>) -> Result<Figures> {
+pub fn svg(report: &Report<Spinup>) -> Result<Figures> {
     let last = &report.results.last;
     let remarks = format!("At {:.2} rpm, seen from the turning frame.", last.speed_rpm);
     let mut figures = vec![
@@ -89,7 +61,7 @@ fn growth(report: &Report<Spinup>, remarks: &str) -> Result<String> {
     }
     let at = (last.growth_at_m, last.growth_m[0]);
     let mark =
-        Mark { name: "section of the headline".to_owned(), marker: Marker::Disc, color: style::BLACK, at };
+        Mark { name: "section of the headline".to_owned(), marker: Marker::Disc, color: palette::BLACK, at };
     let panel = Panel {
         across: ("Position along the shaft", "m"),
         up: ("Growth of the radius", "m"),
@@ -185,9 +157,9 @@ fn orbit(report: &Report<Spinup>, h: &History) -> Result<String> {
         at.map(|at| Mark { name: name.to_owned(), marker, color, at })
     };
     let marks = [
-        mark("start", Marker::Disc, style::GREEN, points.first().copied()),
-        mark("end", Marker::Square, style::VERMILLION, points.last().copied()),
-        mark("largest radius", Marker::Triangle, style::BLACK, farthest),
+        mark("start", Marker::Disc, palette::GREEN, points.first().copied()),
+        mark("end", Marker::Square, palette::VERMILLION, points.last().copied()),
+        mark("largest radius", Marker::Triangle, palette::BLACK, farthest),
     ];
     let curve =
         Curve { name: "axis at mid-length".to_owned(), stroke: Stroke { width: 1.2, ..STROKES[0] }, points };
@@ -202,7 +174,7 @@ fn orbit(report: &Report<Spinup>, h: &History) -> Result<String> {
             let points = (0..=CIRCLE).map(at).map(|(s, c)| (stator.clearance_m * s, stator.clearance_m * c));
             curves.push(Curve {
                 name: "clearance of the ring".to_owned(),
-                stroke: Stroke { color: style::BLACK, width: 1.2, line: Line::Dashed },
+                stroke: Stroke { color: palette::BLACK, width: 1.2, line: Line::Dashed },
                 points: points.collect(),
             });
         }
@@ -243,79 +215,4 @@ fn energy(report: &Report<Spinup>, h: &History) -> Result<String> {
     ];
     let remarks = "Lost: work of the drive less change of energy less absorbed energy.".to_owned();
     figure(&Surroundings::new(report, "Energy balance", remarks), &panels, 1)
-}
-
-/// Displacement, stresses and invariants along y and z of a section, and its deformed outline.
-fn section<R>(report: &Report<R>, profile: &Profile, remarks: &str) -> Result<String> {
-    let mut panels = Vec::new();
-    for (axis, states) in [(0, &profile.along_y), (1, &profile.along_z)] {
-        let across = [("Position along y", "m"), ("Position along z", "m")][axis];
-        let place: Vec<f64> = states.iter().map(|s| [s.y_m, s.z_m][axis]).collect();
-        let list = |f: &dyn Fn(&PointState) -> f64| states.iter().map(f).collect::<Vec<f64>>();
-        panels.push(Panel::over(
-            across,
-            ("Displacement", "m"),
-            &place,
-            vec![("along y", list(&|s| s.displacement_m[1])), ("along z", list(&|s| s.displacement_m[2]))],
-        ));
-        let stress = |k: usize| list(&|s| s.stress_pa.cauchy[k]);
-        panels.push(Panel::over(
-            across,
-            ("Cauchy stress", "Pa"),
-            &place,
-            vec![("xx", stress(0)), ("yy", stress(1)), ("zz", stress(2))],
-        ));
-        panels.push(Panel::over(
-            across,
-            ("Invariants", "Pa"),
-            &place,
-            vec![
-                ("I1", list(&|s| s.stress_pa.i1)),
-                ("I2^(1/2)", list(&|s| s.stress_pa.i2.signum() * s.stress_pa.i2.abs().sqrt())),
-                ("I3^(1/3)", list(&|s| s.stress_pa.i3.cbrt())),
-            ],
-        ));
-    }
-    // columns: along y, along z
-    let (along_z, mut ordered) = (panels.split_off(3), Vec::new());
-    for (y, z) in panels.into_iter().zip(along_z) {
-        ordered.extend([y, z]);
-    }
-    let (outline, scale) = outline(profile);
-    ordered.push(outline);
-    let remarks = format!(
-        "Section at x = {:.4} m. {remarks} Roots of the invariants keep their sign. Outline displaced {scale} times, its centre held.",
-        profile.at_m
-    );
-    figure(&Surroundings::new(report, "Section", remarks), &ordered, 2)
-}
-
-/// The deformed outline over the undeformed one, and the factor of its displacements.
-fn outline(profile: &Profile) -> (Panel, String) {
-    let size = profile.outlines.iter().flatten().fold(0.0, |m: f64, p| m.max(p[0].abs()).max(p[1].abs()));
-    let moved = profile.outline_displacements.iter().flatten().fold(0.0, |m: f64, u| m.max(u[0].hypot(u[1])));
-    let wanted = if moved > 0.0 { VISIBLE * size / moved } else { 1.0 };
-    let power = 10f64.powf(wanted.log10().floor());
-    let scale = power * [5.0, 2.0].into_iter().find(|f| f * power <= wanted).unwrap_or(1.0);
-    let mut curves = Vec::new();
-    for (k, (line, displaced)) in profile.outlines.iter().zip(&profile.outline_displacements).enumerate() {
-        // the bore is drawn as the outline is
-        let name = |of: &str| if k == 0 { of.to_owned() } else { String::new() };
-        curves.push(Curve {
-            name: name("undeformed"),
-            stroke: Stroke { color: style::GREY, width: 1.2, line: Line::Dashed },
-            points: line.iter().map(|p| (p[1], p[0])).collect(),
-        });
-        curves.push(Curve {
-            name: name("deformed"),
-            stroke: STROKES[0],
-            points: line
-                .iter()
-                .zip(displaced)
-                .map(|(p, u)| (p[1] + scale * u[1], p[0] + scale * u[0]))
-                .collect(),
-        });
-    }
-    let panel = Panel { across: ("z", "m"), up: ("y", "m"), curves, equal: true, ..Panel::default() };
-    (panel, if scale < 1e6 { format!("{scale}") } else { format!("{scale:.0e}") })
 }

@@ -1,13 +1,14 @@
 //! Error over wall time of a study, both logarithmic: the front as a stepped line with named points, the others as light
 //! marks, shapes by element. Nothing lies below and to the left of a point of the front, so its name stands there.
 
+use crate::draw::axes::{self, Scale, Side};
+use crate::draw::clip::{Point, Rect};
+use crate::draw::palette::{self, Color, Font, Line, Marker, Stroke};
+use crate::draw::pen::Pen;
+use crate::draw::sheet::{self, FooterWords, Sample};
+use crate::draw::text::{self, Anchor};
 use crate::error::Result;
-use crate::plot::style::{
-    self, Canvas, Color, Font, FooterWords, Line, Marker, Point, Rect, Sample, Scale, Stroke,
-};
-use crate::results::{Report, Tradeoff, TradeoffPoint, Trust};
-use plotters::style::RGBColor;
-use plotters::style::text_anchor::HPos;
+use crate::results::{Figures, Report, Tradeoff, TradeoffPoint, Trust};
 
 const WIDTH: f64 = 1120.0;
 /// Height of the frame of the axes.
@@ -22,8 +23,6 @@ const NAMED: usize = 16;
 const NAME_HEIGHT: f64 = 16.0;
 const NAME_BELOW: f64 = 13.0;
 const NAME_BESIDE: f64 = 7.0;
-/// The name of the choice is bold.
-const BOLD_WIDER: f64 = 1.12;
 /// Errors below this are rounding.
 const LEAST_ERROR: f64 = 1e-15;
 
@@ -38,11 +37,11 @@ pub const MARKERS: [Marker; 8] = [
     Marker::Plus,
     Marker::Ring,
 ];
-const FRONT: Color = style::BLUE;
-const OTHER: Color = RGBColor(165, 165, 165);
-const FRONT_LINE: Stroke = Stroke { color: style::BLUE, width: 1.8, line: Line::Solid };
-const TARGET_LINE: Stroke = Stroke { color: style::VERMILLION, width: 1.6, line: Line::Dashed };
-const LEADER: Stroke = Stroke::solid(style::GREY, 0.8);
+const FRONT: Color = palette::BLUE;
+const OTHER: Color = palette::MID_GREY;
+const FRONT_LINE: Stroke = Stroke { color: palette::BLUE, width: 1.8, line: Line::Solid };
+const TARGET_LINE: Stroke = Stroke { color: palette::VERMILLION, width: 1.6, line: Line::Dashed };
+const LEADER: Stroke = Stroke::solid(palette::GREY, 0.8);
 
 /// A point to draw.
 struct Spot<'a> {
@@ -57,40 +56,48 @@ struct Spot<'a> {
 ///
 /// # Errors
 /// A failure of the drawing library.
-pub fn svg(report: &Report<Tradeoff>) -> Result<String> {
+pub fn svg(report: &Report<Tradeoff>) -> Result<Figures> {
     let results = &report.results;
     let groups = groups(results);
     let spots: Vec<Spot<'_>> = spots(results, &groups);
     let title = format!("Error and cost: {}", report.case.title);
-    let below_title = style::below_title(WIDTH, &title) + 8.0;
+    let below_title = sheet::below_title(WIDTH, &title) + 8.0;
     let entries = legend(results, &groups);
-    let legend_height = style::LEGEND_ROW * entries.len().div_ceil(LEGEND_COLUMNS) as f64 + 8.0;
+    let legend_height = sheet::LEGEND_ROW * entries.len().div_ceil(LEGEND_COLUMNS) as f64 + 8.0;
     let frame = Rect {
-        left: style::MARGIN + LEFT,
+        left: sheet::MARGIN + LEFT,
         top: below_title + legend_height,
-        right: WIDTH - style::MARGIN - 6.0,
+        right: WIDTH - sheet::MARGIN - 6.0,
         bottom: below_title + legend_height + FRAME_HEIGHT,
     };
-    let height = frame.bottom + BELOW + style::FOOTER_HEIGHT;
-    style::figure(WIDTH, height, |canvas| {
-        style::title(canvas, WIDTH, &title);
+    let height = frame.bottom + BELOW + sheet::FOOTER_HEIGHT;
+    sheet::figure(WIDTH, height, |pen| {
+        sheet::title(pen, WIDTH, &title);
         let width = frame.width() / LEGEND_COLUMNS as f64;
-        for (k, (sample, name)) in entries.iter().enumerate() {
-            let (row, column) = (k / LEGEND_COLUMNS, k % LEGEND_COLUMNS);
-            let at =
-                (frame.left + column as f64 * width, below_title + style::LEGEND_ROW * (row as f64 + 0.5));
-            style::legend_entry(canvas, at, width - 8.0, *sample, name);
-        }
+        pen.group("legend", "", |pen| {
+            for (k, (sample, name)) in entries.iter().enumerate() {
+                let (row, column) = (k / LEGEND_COLUMNS, k % LEGEND_COLUMNS);
+                let y = below_title + sheet::LEGEND_ROW * (row as f64 + 0.5);
+                let at = (frame.left + column as f64 * width, y);
+                sheet::legend_entry(pen, at, width - 8.0, *sample, name);
+            }
+        });
         if spots.is_empty() {
             let middle = frame.center();
-            canvas.text(middle, "No point has an error to draw.", Font::new(style::LABEL_SIZE), HPos::Center);
+            pen.text(
+                middle,
+                "No point has an error to draw.",
+                Font::new(palette::LABEL_SIZE),
+                Anchor::Center,
+            );
         } else {
-            paint(canvas, frame, results, &spots);
+            paint(pen, frame, results, &spots);
         }
-        canvas.frame(frame, Stroke::solid(style::BLACK, 1.0));
+        pen.frame(frame, Stroke::solid(palette::BLACK, 1.0));
         let words = FooterWords { remarks: remarks(report), content: content(results) };
-        style::footer(canvas, (WIDTH, height), &report.case, report.rotor, &words);
+        sheet::footer(pen, (WIDTH, height), &report.case, report.rotor, &words);
     })
+    .map(|svg| vec![("tradeoff.svg".to_owned(), svg)])
 }
 
 /// The setting that shapes stand for: the element, else the first one with words for values.
@@ -133,7 +140,7 @@ fn legend(results: &Tradeoff, groups: &[String]) -> Vec<(Sample, String)> {
     let mut list: Vec<(Sample, String)> = groups
         .iter()
         .enumerate()
-        .map(|(k, name)| (Sample::Marker(MARKERS[k % MARKERS.len()], style::BLACK), name.clone()))
+        .map(|(k, name)| (Sample::Marker(MARKERS[k % MARKERS.len()], palette::BLACK), name.clone()))
         .collect();
     if !results.front.is_empty() {
         let shared = shared_words(results);
@@ -145,10 +152,13 @@ fn legend(results: &Tradeoff, groups: &[String]) -> Vec<(Sample, String)> {
         list.push((Sample::Stroke(TARGET_LINE), format!("error asked for: {target:e}")));
     }
     if results.points.iter().any(|p| p.error.is_some() && !p.warnings.is_empty()) {
-        list.push((Sample::Marker(Marker::Ring, style::BLACK), "its run warned of its accuracy".to_owned()));
+        list.push((
+            Sample::Marker(Marker::Ring, palette::BLACK),
+            "its run warned of its accuracy".to_owned(),
+        ));
     }
     if results.choice.is_some() {
-        list.push((Sample::Marker(Marker::Ring, style::VERMILLION), "chosen".to_owned()));
+        list.push((Sample::Marker(Marker::Ring, palette::VERMILLION), "chosen".to_owned()));
     }
     list
 }
@@ -170,7 +180,7 @@ fn layout(
     };
     let x = bounds(&mut spots.iter().map(|s| s.at.0));
     let y = bounds(&mut spots.iter().map(|s| s.at.1).chain(target.map(f64::log10)));
-    let width = |label: &String| BOLD_WIDER * style::text_width(label, style::SMALL_SIZE);
+    let width = |label: &String| text::BOLD_WIDER * text::text_width(label, palette::SMALL_SIZE);
     let widths: Vec<f64> = labels.iter().map(width).collect();
     let (mut left, mut below) = (20.0_f64, 24.0_f64);
     let scales = |left: f64, below: f64| {
@@ -233,10 +243,10 @@ fn shared_words(results: &Tradeoff) -> Vec<&str> {
 fn label_of(point: &TradeoffPoint, shared: &[&str]) -> String {
     let words: Vec<&str> = point.name.split(", ").filter(|word| !shared.contains(word)).collect();
     let star = if point.finer_is_worse { "*" } else { "" };
-    style::shorten(&words.join(", "), style::SMALL_SIZE, 330.0) + star
+    text::shorten(&words.join(", "), palette::SMALL_SIZE, 330.0) + star
 }
 
-fn paint(canvas: &mut Canvas, frame: Rect, results: &Tradeoff, spots: &[Spot<'_>]) {
+fn paint(pen: &mut Pen, frame: Rect, results: &Tradeoff, spots: &[Spot<'_>]) {
     let front: Vec<&Spot<'_>> =
         results.front.iter().filter_map(|&i| spots.iter().find(|s| s.index == i)).collect();
     let every = front.len().div_ceil(NAMED).max(1);
@@ -245,14 +255,17 @@ fn paint(canvas: &mut Canvas, frame: Rect, results: &Tradeoff, spots: &[Spot<'_>
     let labels: Vec<String> = named.iter().map(|s| label_of(s.point, &shared)).collect();
     let (across, up, boxes) = layout(frame, spots, &named, &labels, results.target_error);
     let pixel = |spot: &Spot<'_>| (across.pixel(spot.at.0), up.pixel(spot.at.1));
-    decades(canvas, frame, across, false, "Wall time", "s");
-    decades(canvas, frame, up, true, "Relative error", "–");
+    pen.group("axes", "", |pen| {
+        axes::decades(pen, frame, Side::Bottom, across, "Wall time", "s");
+        axes::decades(pen, frame, Side::Left, up, "Relative error", "");
+    });
     if let Some(target) = results.target_error {
         let y = up.pixel(target.log10());
-        canvas.path(&[(frame.left, y), (frame.right, y)], TARGET_LINE);
+        let ends = [(frame.left, y), (frame.right, y)];
+        pen.group("target", &format!("error asked for: {target:e}"), |pen| pen.path(&ends, TARGET_LINE));
     }
     for spot in spots.iter().filter(|s| !s.point.pareto) {
-        canvas.marker(pixel(spot), spot.marker, 4.2, OTHER);
+        paint_point(pen, spot, pixel(spot), (4.2, OTHER));
     }
     let mut steps: Vec<Point> = Vec::new();
     for spot in &front {
@@ -261,93 +274,57 @@ fn paint(canvas: &mut Canvas, frame: Rect, results: &Tradeoff, spots: &[Spot<'_>
         steps.push((x, y));
     }
     steps.extend(steps.last().copied().map(|(_, y)| (frame.right, y)));
-    canvas.path(&steps, FRONT_LINE);
-    for (spot, place) in named.iter().zip(&boxes) {
-        let (x, y) = pixel(spot);
-        if place.center().1 > y + NAME_BELOW + 6.0 {
-            canvas.path(&[(x, y), (place.right + 2.0, place.center().1)], LEADER);
+    pen.group("front", "Pareto front", |pen| pen.path(&steps, FRONT_LINE));
+    pen.group("leaders", "", |pen| {
+        for (spot, place) in named.iter().zip(&boxes) {
+            let (x, y) = pixel(spot);
+            if place.center().1 > y + NAME_BELOW + 6.0 {
+                pen.path(&[(x, y), (place.right + 2.0, place.center().1)], LEADER);
+            }
         }
+    });
+    for spot in &front {
+        paint_point(pen, spot, pixel(spot), (5.4, FRONT));
     }
     let chosen = results.choice.as_ref().map(|c| c.point);
-    for spot in &front {
-        let at = pixel(spot);
-        canvas.marker(at, spot.marker, 5.4, FRONT);
-    }
-    for spot in spots.iter().filter(|s| !s.point.warnings.is_empty()) {
-        canvas.ring(pixel(spot), 7.0, style::BLACK, 1.0);
-    }
     if let Some(spot) = spots.iter().find(|s| Some(s.index) == chosen) {
-        canvas.ring(pixel(spot), 9.0, style::VERMILLION, 2.2);
-        canvas.marker(pixel(spot), spot.marker, 5.0, if spot.point.pareto { FRONT } else { style::BLACK });
+        pen.group("chosen", &words_of(spot), |pen| {
+            pen.ring(pixel(spot), 9.0, palette::VERMILLION, 2.2);
+            let color = if spot.point.pareto { FRONT } else { palette::BLACK };
+            pen.marker(pixel(spot), spot.marker, 5.0, color);
+        });
     }
-    for ((spot, place), label) in named.iter().zip(&boxes).zip(&labels) {
-        canvas.fill_rect(*place, style::WHITE);
-        let font = Font::new(style::SMALL_SIZE);
-        let font = if Some(spot.index) == chosen { font.bold() } else { font };
-        canvas.text((place.right, place.center().1), label, font, HPos::Right);
-    }
-}
-
-/// Grid, ticks and labels of a logarithmic axis; `scale` maps decimal logarithms.
-fn decades(canvas: &mut Canvas, frame: Rect, scale: Scale, upwards: bool, quantity: &str, unit: &str) {
-    let (low, high) = (scale.low.min(scale.high), scale.low.max(scale.high));
-    let room = (scale.end - scale.start).abs() / (high - low).max(1e-9);
-    // labels between the powers where a decade has room for them, fewer powers where it has none
-    let digits: &[i32] = if room > 260.0 { &[1, 2, 5] } else { &[1] };
-    let stride = (40.0 / room).ceil().max(1.0) as i32;
-    for power in low.floor() as i32..=high.ceil() as i32 {
-        for digit in 1..10 {
-            let value = f64::from(power) + f64::from(digit).log10();
-            if !(low..=high).contains(&value) {
-                continue;
-            }
-            let at = scale.pixel(value);
-            let labelled = digits.contains(&digit) && (digit > 1 || power % stride == 0);
-            let grid = Stroke::solid(style::LIGHT_GREY, if digit == 1 { 1.2 } else { 0.6 });
-            let tick = Stroke::solid(style::BLACK, 1.0);
-            let length = if labelled { 6.0 } else { 3.0 };
-            let label = label(digit, power, upwards);
-            if upwards {
-                canvas.path(&[(frame.left, at), (frame.right, at)], grid);
-                canvas.path(&[(frame.left, at), (frame.left - length, at)], tick);
-                if labelled {
-                    let place = (frame.left - 9.0, at);
-                    canvas.text(place, &label, Font::new(style::TICK_SIZE), HPos::Right);
-                }
-            } else {
-                canvas.path(&[(at, frame.top), (at, frame.bottom)], grid);
-                canvas.path(&[(at, frame.bottom), (at, frame.bottom + length)], tick);
-                if labelled {
-                    let place = (at, frame.bottom + 17.0);
-                    canvas.text(place, &label, Font::new(style::TICK_SIZE), HPos::Center);
-                }
-            }
+    pen.group("names", "", |pen| {
+        for ((spot, place), label) in named.iter().zip(&boxes).zip(&labels) {
+            pen.fill_rect(*place, palette::WHITE);
+            let font = Font::new(palette::SMALL_SIZE);
+            let font = if Some(spot.index) == chosen { font.bold() } else { font };
+            pen.text((place.right, place.center().1), label, font, Anchor::Right);
         }
-    }
-    let words = if unit == "–" { quantity.to_owned() } else { style::axis_label(quantity, unit, 0) };
-    let font = Font::new(style::LABEL_SIZE);
-    let middle = frame.center();
-    if upwards {
-        canvas.vertical_text((frame.left - 80.0, middle.1), &words, font);
-    } else {
-        canvas.text((middle.0, frame.bottom + 44.0), &words, font, HPos::Center);
-    }
+    });
 }
 
-/// Times as they are, errors as powers of ten.
-fn label(digit: i32, power: i32, as_power: bool) -> String {
-    if as_power || !(-4..5).contains(&power) {
-        let raised = format!("10{}", style::superscript(power));
-        return if digit == 1 { raised } else { format!("{digit}·{raised}") };
-    }
-    let decimals = usize::try_from(-power).unwrap_or(0);
-    format!("{:.decimals$}", f64::from(digit) * 10f64.powi(power))
+/// Draws a point, with a ring if its run warned.
+fn paint_point(pen: &mut Pen, spot: &Spot<'_>, at: Point, (radius, color): (f64, Color)) {
+    pen.group("point", &words_of(spot), |pen| {
+        pen.marker(at, spot.marker, radius, color);
+        if !spot.point.warnings.is_empty() {
+            pen.circle(at, 7.0, palette::BLACK, 1.0);
+        }
+    });
+}
+
+/// Name, error and time of a point.
+fn words_of(spot: &Spot<'_>) -> String {
+    let number = |value: Option<f64>| text::significant(value.unwrap_or(f64::NAN), 3);
+    let (error, wall) = (number(spot.point.error), number(spot.point.wall_s));
+    format!("{}: error {error}, {wall} s", spot.point.name)
 }
 
 /// What the figure leaves out, and what to distrust.
 fn remarks(report: &Report<Tradeoff>) -> String {
     let results = &report.results;
-    let mut words = vec![style::failed_checks(&report.diagnostics)];
+    let mut words = vec![sheet::failed_checks(&report.diagnostics)];
     if let Some(index) = results.reference.point {
         words.push(format!(
             "Not drawn: the finest point ({}), which is the reference.",
@@ -378,7 +355,7 @@ fn remarks(report: &Report<Tradeoff>) -> String {
 }
 
 fn content(results: &Tradeoff) -> String {
-    let reference = results.reference.value.map_or("none".to_owned(), |v| style::significant(v, 8));
+    let reference = results.reference.value.map_or("none".to_owned(), |v| text::significant(v, 8));
     let at_a_time = match results.points_at_a_time {
         1 => String::new(),
         n => format!(" ({n} points at a time)"),

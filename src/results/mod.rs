@@ -319,3 +319,6 @@ pub struct Check {
     /// Estimated time of the campbell run on one core.
     pub estimated_time_s: f64,
 }
+
+/// Figures as `(file name, SVG text)`.
+pub type Figures = Vec<(String, String)>;

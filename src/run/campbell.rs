@@ -37,6 +37,6 @@ fn run(loaded: &LoadedCase, host: &Host<'_>) -> Result<Finished> {
     let model = affordable(loaded)?;
     let settings = needed(model.campbell.as_ref(), &ENTRY)?;
     let report = checked(loaded, &model, campbell(&model, settings, host.progress)?);
-    let figures = host.figures(|| Ok(vec![("campbell.svg".to_owned(), plot::campbell::svg(&report)?)]))?;
+    let figures = host.figures(|| plot::campbell::svg(&report))?;
     finish(&report, figures, table::campbell(&report.results))
 }

@@ -20,7 +20,7 @@ use crate::check::memory::memory;
 use crate::error::{Error, Refusal, Result};
 use crate::model::Model;
 use crate::report::{printable, table};
-use crate::results::{CaseInfo, Diagnostic, Report};
+use crate::results::{CaseInfo, Diagnostic, Figures, Report};
 use serde::Serialize;
 use serde_json::Value;
 use std::path::Path;
@@ -87,9 +87,6 @@ impl Host<'static> {
         Self { plots: false, progress: &|_| (), watch: &|_, _| true }
     }
 }
-
-/// Figures as `(file name, SVG text)`.
-pub type Figures = Vec<(String, String)>;
 
 impl Host<'_> {
     /// The figures, if they are wanted.

@@ -22,6 +22,6 @@ pub const ENTRY: Entry = Entry {
 fn run(loaded: &LoadedCase, host: &Host<'_>) -> Result<Finished> {
     let model = affordable(loaded)?;
     let report = checked(loaded, &model, modes(&model)?);
-    let figures = host.figures(|| Ok(vec![("modes.svg".to_owned(), plot::modes::svg(&report)?)]))?;
+    let figures = host.figures(|| plot::modes::svg(&report))?;
     finish(&report, figures, table::modes(&report.results))
 }

@@ -38,6 +38,6 @@ fn run(loaded: &LoadedCase, host: &Host<'_>) -> Result<Finished> {
     let model = affordable(loaded)?;
     let settings = needed(model.spinup.as_ref(), &ENTRY)?;
     let report = checked(loaded, &model, spinup(&model, settings, host.watch)?);
-    let figures = host.figures(|| plot::spinup::spinup(&report))?;
+    let figures = host.figures(|| plot::spinup::svg(&report))?;
     finish(&report, figures, table::spinup(&report.results))
 }

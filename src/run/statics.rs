@@ -33,6 +33,6 @@ pub const ENTRY: Entry = Entry {
 fn run(loaded: &LoadedCase, host: &Host<'_>) -> Result<Finished> {
     let model = affordable(loaded)?;
     let report = checked(loaded, &model, statics(&model)?);
-    let figures = host.figures(|| plot::spinup::statics(&report))?;
+    let figures = host.figures(|| plot::statics::svg(&report))?;
     finish(&report, figures, table::statics(&report.results))
 }

@@ -490,8 +490,7 @@ pub fn finish(
         .modelled
         .push(Modelled::Study { settings: results.points.len(), analysis: subject.analysis.name() });
     let report = run::report(loaded, Outcome { results, model, diagnostics });
-    let svg =
-        if plots { vec![("tradeoff.svg".to_owned(), plot::tradeoff::svg(&report)?)] } else { Vec::new() };
+    let svg = if plots { plot::tradeoff::svg(&report)? } else { Vec::new() };
     let counts = format!(
         "  {} points: {} kept from an earlier run, {} measured now\n",
         measured.points.len(),

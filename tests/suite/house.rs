@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The modules in the order in which data flows through them.
-const ORDER: [&str; 22] = [
+const ORDER: [&str; 23] = [
     "error",
     "units",
     "instructions",
@@ -20,6 +20,7 @@ const ORDER: [&str; 22] = [
     "scene",
     "accuracy",
     "analysis",
+    "draw",
     "plot",
     "report",
     "run",

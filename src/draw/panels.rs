@@ -1,11 +1,13 @@
 //! Figures of several small plots of curves: each panel has its axes, a frame, a grid and a legend above it.
 
+use crate::draw::axes::{self, Scale, Side};
+use crate::draw::clip::{self, Point, Rect};
+use crate::draw::palette::{self, Color, Font, Line, Marker, Stroke};
+use crate::draw::pen::Pen;
+use crate::draw::sheet::{self, FooterWords, Sample};
+use crate::draw::text::{self, Anchor};
 use crate::error::Result;
-use crate::plot::style::{
-    self, Canvas, Color, Font, FooterWords, Line, Marker, Point, Rect, Sample, Scale, Stroke,
-};
 use crate::results::{CaseInfo, Diagnostic, ModelSummary, Report};
-use plotters::style::text_anchor::HPos;
 
 const WIDTH: f64 = 1120.0;
 const PANEL_HEIGHT: f64 = 250.0;
@@ -18,11 +20,11 @@ const AIR: f64 = 0.06;
 
 /// Strokes of the curves of a panel, in order; each differs in colour and kind.
 pub const STROKES: [Stroke; 5] = [
-    Stroke { color: style::BLUE, width: 2.0, line: Line::Solid },
-    Stroke { color: style::VERMILLION, width: 2.0, line: Line::Dashed },
-    Stroke { color: style::GREEN, width: 2.0, line: Line::DashDot },
-    Stroke { color: style::BLACK, width: 1.6, line: Line::Dotted },
-    Stroke { color: style::GREY, width: 1.4, line: Line::Solid },
+    Stroke { color: palette::BLUE, width: 2.0, line: Line::Solid },
+    Stroke { color: palette::VERMILLION, width: 2.0, line: Line::Dashed },
+    Stroke { color: palette::GREEN, width: 2.0, line: Line::DashDot },
+    Stroke { color: palette::BLACK, width: 1.6, line: Line::Dotted },
+    Stroke { color: palette::GREY, width: 1.4, line: Line::Solid },
 ];
 
 /// A named curve.
@@ -109,8 +111,8 @@ impl Panel {
     /// Legend entries side by side: as many as are whole, at most three.
     fn legend_columns(&self, width: f64) -> usize {
         let names = self.curves.iter().map(|c| &c.name).chain(self.marks.iter().map(|m| &m.name));
-        let widest = names.map(|name| style::text_width(name, style::TICK_SIZE)).fold(0.0, f64::max);
-        (width / (widest + style::LEGEND_SAMPLE + 8.0)).clamp(1.0, 3.0) as usize
+        let widest = names.map(|name| text::text_width(name, palette::TICK_SIZE)).fold(0.0, f64::max);
+        (width / (widest + sheet::LEGEND_SAMPLE + 8.0)).clamp(1.0, 3.0) as usize
     }
 
     /// Height of title and legend above a frame of this width.
@@ -118,21 +120,39 @@ impl Panel {
         let names = self.curves.iter().map(|c| &c.name).chain(self.marks.iter().map(|m| &m.name));
         let rows = names.filter(|name| !name.is_empty()).count().div_ceil(self.legend_columns(width));
         let title = usize::from(!self.title.is_empty());
-        (title + rows) as f64 * style::LEGEND_ROW + 6.0
+        (title + rows) as f64 * sheet::LEGEND_ROW + 6.0
     }
 
-    fn paint(&self, canvas: &mut Canvas, room: Rect) {
-        let samples = self.curves.iter().map(|c| (Sample::Stroke(c.stroke), &c.name));
-        let samples = samples.chain(self.marks.iter().map(|m| (Sample::Marker(m.marker, m.color), &m.name)));
-        let samples: Vec<_> = samples.filter(|(_, name)| !name.is_empty()).collect();
-        let per_row = self.legend_columns(room.width() - LEFT - 10.0);
-        let title = if self.title.is_empty() { 0.0 } else { style::LEGEND_ROW };
+    fn paint(&self, pen: &mut Pen, room: Rect) {
+        let width = room.width() - LEFT - 10.0;
         let frame = Rect {
             left: room.left + LEFT,
-            top: room.top + self.above(room.width() - LEFT - 10.0),
+            top: room.top + self.above(width),
             right: room.right - 10.0,
             bottom: room.bottom - BELOW,
         };
+        let (across, up) = self.scales(frame);
+        pen.group("panel", &self.title, |pen| {
+            self.paint_bands(pen, frame, across);
+            axes::grid(pen, frame, across, up);
+            for curve in &self.curves {
+                pen.group("curve", &curve.name, |pen| paint_curve(pen, curve, frame, across, up));
+            }
+            for mark in &self.marks {
+                let at = (across.pixel(mark.at.0), up.pixel(mark.at.1));
+                pen.group("mark", &self.mark_words(mark), |pen| pen.marker(at, mark.marker, 5.0, mark.color));
+            }
+            pen.group("axes", "", |pen| {
+                pen.frame(frame, Stroke::solid(palette::BLACK, 1.0));
+                axes::axis(pen, Side::Bottom, frame.bottom, across, self.across.0, self.across.1);
+                axes::axis(pen, Side::Left, frame.left, up, self.up.0, self.up.1);
+            });
+            self.paint_legend(pen, room.top, frame);
+        });
+    }
+
+    /// Scales that show all points.
+    fn scales(&self, frame: Rect) -> (Scale, Scale) {
         let (mut x, mut y) =
             (self.range(|p| p.0, if self.equal { AIR } else { 0.0 }), self.range(|p| p.1, AIR));
         if self.equal {
@@ -145,39 +165,58 @@ impl Panel {
         }
         let across = Scale { low: x.0, high: x.1, start: frame.left, end: frame.right };
         let up = Scale { low: y.0, high: y.1, start: frame.bottom, end: frame.top };
-        for (from, to) in &self.bands {
-            let ends = [from, to].map(|x| across.pixel(*x).clamp(frame.left, frame.right));
-            // a short one is still seen
-            let right = ends[1].max(ends[0] + 1.0).min(frame.right);
-            canvas.fill_rect(Rect { left: ends[0], right, ..frame }, style::PALE_GREY);
-        }
-        style::grid(canvas, frame, across, up);
-        for curve in &self.curves {
-            // what has no value breaks a curve
-            for stretch in curve.points.split(|p| !(p.0.is_finite() && p.1.is_finite())) {
-                let pixels = stretch.iter().map(|p| (across.pixel(p.0), up.pixel(p.1))).collect();
-                for piece in style::clip(&thinned(pixels), frame.grown(0.5)) {
-                    canvas.path(&piece, curve.stroke);
-                }
+        (across, up)
+    }
+
+    fn paint_bands(&self, pen: &mut Pen, frame: Rect, across: Scale) {
+        pen.group("bands", "", |pen| {
+            for (from, to) in &self.bands {
+                let ends = [from, to].map(|x| across.pixel(*x).clamp(frame.left, frame.right));
+                // a short one is still seen
+                let right = ends[1].max(ends[0] + 1.0).min(frame.right);
+                pen.fill_rect(Rect { left: ends[0], right, ..frame }, palette::PALE_GREY);
             }
-        }
-        for mark in &self.marks {
-            canvas.marker((across.pixel(mark.at.0), up.pixel(mark.at.1)), mark.marker, 5.0, mark.color);
-        }
-        canvas.frame(frame, Stroke::solid(style::BLACK, 1.0));
-        style::axis(canvas, style::Side::Bottom, frame.bottom, across, self.across.0, self.across.1);
-        style::axis(canvas, style::Side::Left, frame.left, up, self.up.0, self.up.1);
+        });
+    }
+
+    /// Name and place of a mark.
+    fn mark_words(&self, mark: &Mark) -> String {
+        let part = |(quantity, unit): (&str, &str), value: f64| {
+            format!("{quantity} {} {unit}", text::significant(value, 5))
+        };
+        format!("{}: {}, {}", mark.name, part(self.across, mark.at.0), part(self.up, mark.at.1))
+    }
+
+    fn paint_legend(&self, pen: &mut Pen, top: f64, frame: Rect) {
+        let samples = self.curves.iter().map(|c| (Sample::Stroke(c.stroke), &c.name));
+        let samples = samples.chain(self.marks.iter().map(|m| (Sample::Marker(m.marker, m.color), &m.name)));
+        let samples: Vec<_> = samples.filter(|(_, name)| !name.is_empty()).collect();
+        let title = if self.title.is_empty() { 0.0 } else { sheet::LEGEND_ROW };
         if title > 0.0 {
-            let font = Font::new(style::LABEL_SIZE).bold();
-            let words = style::shorten(&self.title, font.size * 1.12, frame.width());
-            canvas.text((frame.left, room.top + title / 2.0), &words, font, HPos::Left);
+            let font = Font::new(palette::LABEL_SIZE).bold();
+            let words = text::shorten(&self.title, font.size * text::BOLD_WIDER, frame.width());
+            pen.text((frame.left, top + title / 2.0), &words, font, Anchor::Left);
         }
+        let per_row = self.legend_columns(frame.width());
         let width = frame.width() / per_row as f64;
-        for (k, (sample, name)) in samples.into_iter().enumerate() {
-            let (row, column) = (k / per_row, k % per_row);
-            let y = room.top + title + style::LEGEND_ROW * (row as f64 + 0.5);
-            let at = (frame.left + column as f64 * width, y);
-            style::legend_entry(canvas, at, width - 8.0, sample, name);
+        pen.group("legend", "", |pen| {
+            for (k, (sample, name)) in samples.into_iter().enumerate() {
+                let (row, column) = (k / per_row, k % per_row);
+                let y = top + title + sheet::LEGEND_ROW * (row as f64 + 0.5);
+                let at = (frame.left + column as f64 * width, y);
+                sheet::legend_entry(pen, at, width - 8.0, sample, name);
+            }
+        });
+    }
+}
+
+/// Draws what of a curve lies in the frame.
+fn paint_curve(pen: &mut Pen, curve: &Curve, frame: Rect, across: Scale, up: Scale) {
+    // what has no value breaks a curve
+    for stretch in curve.points.split(|p| !(p.0.is_finite() && p.1.is_finite())) {
+        let pixels = stretch.iter().map(|p| (across.pixel(p.0), up.pixel(p.1))).collect();
+        for piece in clip::clip(&thinned(pixels), frame.grown(0.5)) {
+            pen.path(&piece, curve.stroke);
         }
     }
 }
@@ -187,7 +226,7 @@ fn thinned(points: Vec<Point>) -> Vec<Point> {
     let last = points.last().copied();
     let mut kept: Vec<Point> = Vec::new();
     for point in points {
-        if kept.last().is_none_or(|&before| style::distance(before, point) >= 0.5) {
+        if kept.last().is_none_or(|&before| clip::distance(before, point) >= 0.5) {
             kept.push(point);
         }
     }
@@ -218,11 +257,11 @@ impl<'a> Surroundings<'a> {
         }
     }
 
-    fn footer(&self, canvas: &mut Canvas, height: f64) {
-        let remarks = [style::failed_checks(self.diagnostics), self.remarks.clone()].join(" ");
+    fn footer(&self, pen: &mut Pen, height: f64) {
+        let remarks = [sheet::failed_checks(self.diagnostics), self.remarks.clone()].join(" ");
         let words =
-            FooterWords { remarks: remarks.trim().to_owned(), content: style::model_words(self.model) };
-        style::footer(canvas, (WIDTH, height), self.case, self.version, &words);
+            FooterWords { remarks: remarks.trim().to_owned(), content: sheet::model_words(self.model) };
+        sheet::footer(pen, (WIDTH, height), self.case, self.version, &words);
     }
 }
 
@@ -231,31 +270,31 @@ impl<'a> Surroundings<'a> {
 /// # Errors
 /// A failure of the drawing library.
 pub fn figure(around: &Surroundings<'_>, panels: &[Panel], columns: usize) -> Result<String> {
-    let below_title = style::below_title(WIDTH, &around.title) + 10.0;
+    let below_title = sheet::below_title(WIDTH, &around.title) + 10.0;
     let equal = panels.iter().any(|p| p.equal) && columns == 1;
     let usual = if equal { 3.0 * PANEL_HEIGHT } else { 1.3 * PANEL_HEIGHT };
     let given = panels.iter().map(|p| p.height).fold(0.0, f64::max);
     let row_height = if given > 0.0 { given } else { usual };
     let rows = panels.len().div_ceil(columns).max(1) as f64;
-    let height = below_title + rows * (row_height + GAP) + style::FOOTER_HEIGHT;
-    style::figure(WIDTH, height, |canvas| {
-        style::title(canvas, WIDTH, &around.title);
+    let height = below_title + rows * (row_height + GAP) + sheet::FOOTER_HEIGHT;
+    sheet::figure(WIDTH, height, |pen| {
+        sheet::title(pen, WIDTH, &around.title);
         let width = panel_width(columns);
         for (k, panel) in panels.iter().enumerate() {
-            let left = style::MARGIN + (k % columns) as f64 * width;
+            let left = sheet::MARGIN + (k % columns) as f64 * width;
             let top = below_title + (k / columns) as f64 * (row_height + GAP);
-            panel.paint(canvas, Rect { left, top, right: left + width - 6.0, bottom: top + row_height });
+            panel.paint(pen, Rect { left, top, right: left + width - 6.0, bottom: top + row_height });
         }
         if panels.is_empty() {
-            let font = Font::new(style::LABEL_SIZE);
-            canvas.text((style::MARGIN, below_title + 20.0), "Nothing to draw.", font, HPos::Left);
+            let font = Font::new(palette::LABEL_SIZE);
+            pen.text((sheet::MARGIN, below_title + 20.0), "Nothing to draw.", font, Anchor::Left);
         }
-        around.footer(canvas, height);
+        around.footer(pen, height);
     })
 }
 
 fn panel_width(columns: usize) -> f64 {
-    (WIDTH - 2.0 * style::MARGIN) / columns as f64
+    (WIDTH - 2.0 * sheet::MARGIN) / columns as f64
 }
 
 /// Gives panels in so many columns, in equal scales, the height at which their frames show `size` (across and upwards) and
@@ -273,14 +312,14 @@ pub fn fit(panels: &mut [Panel], columns: usize, size: Point, least: f64) {
 /// # Errors
 /// A failure of the drawing library.
 pub fn bars(around: &Surroundings<'_>, unit: &str, parts: &[(&str, f64)]) -> Result<String> {
-    let below_title = style::below_title(WIDTH, &around.title) + 10.0;
+    let below_title = sheet::below_title(WIDTH, &around.title) + 10.0;
     let (row, names, values) = (34.0, 240.0, 200.0);
-    let height = below_title + row * parts.len() as f64 + GAP + style::FOOTER_HEIGHT;
+    let height = below_title + row * parts.len() as f64 + GAP + sheet::FOOTER_HEIGHT;
     let total: f64 = parts.iter().map(|(_, value)| value).sum();
-    let room = WIDTH - 2.0 * style::MARGIN - names - values;
-    style::figure(WIDTH, height, |canvas| {
-        style::title(canvas, WIDTH, &around.title);
-        let left = style::MARGIN + names;
+    let room = WIDTH - 2.0 * sheet::MARGIN - names - values;
+    sheet::figure(WIDTH, height, |pen| {
+        sheet::title(pen, WIDTH, &around.title);
+        let left = sheet::MARGIN + names;
         for (k, (name, value)) in parts.iter().enumerate() {
             let share = if total > 0.0 { value / total } else { 0.0 };
             let middle = below_title + row * (k as f64 + 0.5);
@@ -290,14 +329,16 @@ pub fn bars(around: &Surroundings<'_>, unit: &str, parts: &[(&str, f64)]) -> Res
                 top: middle - 0.3 * row,
                 bottom: middle + 0.3 * row,
             };
-            canvas.fill_rect(bar, style::BLUE);
-            let font = Font::new(style::LABEL_SIZE);
-            canvas.text((left - 10.0, middle), name, font, HPos::Right);
-            let words = format!("{} {unit}, {:.1} %", style::significant(*value, 3), 100.0 * share);
-            canvas.text((bar.right + 10.0, middle), &words, font, HPos::Left);
+            let font = Font::new(palette::LABEL_SIZE);
+            let words = format!("{} {unit}, {:.1} %", text::significant(*value, 3), 100.0 * share);
+            pen.group("bar", &format!("{name}: {words}"), |pen| {
+                pen.fill_rect(bar, palette::BLUE);
+                pen.text((left - 10.0, middle), name, font, Anchor::Right);
+                pen.text((bar.right + 10.0, middle), &words, font, Anchor::Left);
+            });
         }
         let ends = [(left, below_title), (left, below_title + row * parts.len() as f64)];
-        canvas.path(&ends, Stroke::solid(style::BLACK, 1.0));
-        around.footer(canvas, height);
+        pen.path(&ends, Stroke::solid(palette::BLACK, 1.0));
+        around.footer(pen, height);
     })
 }
