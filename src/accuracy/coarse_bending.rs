@@ -12,7 +12,7 @@
 //!
 //! g is the change of theta from element to element over twice its mean (1/n on a cantilever). s = exp(-0.75 phi^2), phi the
 //! largest turn of a section up to 1.5: a force loses its leverage on a bent shaft, and its displacement hardly depends on the
-//! stiffness any more; under moments alone s = 1. Constants are measured on cantilevers: docs/theory.md section 11.
+//! stiffness any more; under moments alone s = 1. Constants are measured on cantilevers: docs/theory/estimates.md#coarse-bending.
 
 use crate::model::{ActsOn, Element, LoadKind, Model};
 use crate::results::Diagnostic;
@@ -105,7 +105,7 @@ pub fn bending_remark(assembly: &Assembly<'_>, q: &[f64], diagnostics: &mut Vec<
             "coarse-bending",
             format!(
                 "an element turns by {:.1} degrees from end to end, which makes the shaft too stiff: displacements are about {:.0} % \
-                 too small (on cantilevers within a factor of 2.3, docs/theory.md section 11); more elements{}",
+                 too small (on cantilevers within a factor of 2.3, docs/theory/estimates.md#coarse-bending); more elements{}",
                 largest.to_degrees(),
                 100.0 * error,
                 if assembly.model.elements.iter().any(|e| e.kind.axial_degree == 2) {

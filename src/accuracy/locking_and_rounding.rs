@@ -2,7 +2,7 @@
 //!
 //! Locking: a long body bends or twists uniformly; its section deforms as far as the functions of the member let it,
 //! and what it can't follow is stiffness in excess. Rounding: the static shape x of a smooth load f has the energy
-//! `x^T f`, of which `eps |x|^T |K| |x|` is rounding. Source: docs/theory.md section 11.
+//! `x^T f`, of which `eps |x|^T |K| |x|` is rounding. Source: docs/theory/estimates.md#before-a-run.
 
 use crate::accuracy::thin_wall::ovalling_error;
 use crate::element::basis::SectionProducts;

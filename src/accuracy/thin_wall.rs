@@ -2,7 +2,7 @@
 //!
 //! A long body's section in plane strain is a small eigenproblem of its own. The lowest elastic motion of a tube is
 //! its ovalling; a basis is measured against the ring functions of degree 4 with 4 harmonics. Source:
-//! docs/theory.md section 10.
+//! docs/theory/rings.md#thin-walls.
 
 use crate::element::basis::SectionProducts;
 use crate::element::continuum::lame;

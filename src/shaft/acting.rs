@@ -7,7 +7,7 @@
 //!     force = sum of f_0 over the fields of the node,    moment about the origin = sum_k q_k x f_k
 //! ```
 //!
-//! Source: docs/theory.md section 7.
+//! Source: docs/theory/supports.md#acts-on.
 
 use crate::shaft::loads::Turned;
 use nalgebra::Vector3;

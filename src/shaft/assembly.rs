@@ -337,7 +337,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// What spin adds to the material damping forces, per unit spin speed, on displacements:
-    /// `beta K (D_theta - J) + alpha G / 2` (stationary frame; docs/theory.md section 6).
+    /// `beta K (D_theta - J) + alpha G / 2` (stationary frame; docs/theory/linear-rotordynamics.md#equations).
     pub fn circulatory(&self) -> Sparse {
         let material = |material: &Material, m: &ElementMatrices| {
             let convected = &m.stiffness * convection(m.stiffness.nrows(), self.basis_of(m));

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! In the rotating frame every node turns; in the inertial frame only the driven ones do, whose constraints
-//! are then constant in their own turned coordinates. Both are exact. Source: docs/theory.md sections 5, 7 and 12.
+//! are then constant in their own turned coordinates. Both are exact. Source: docs/theory/motion.md, docs/theory/loads.md
+//! and docs/theory/rub.md.
 
 use crate::error::Result;
 use crate::linalg::chain::{Chain, Layout, Terms};

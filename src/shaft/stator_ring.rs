@@ -8,7 +8,7 @@
 //! ```
 //!
 //! and the torque `- mu N R tanh(w / w_0)` about x. All of it looks the same in any frame turned about x, as long
-//! as velocities are those seen from space. Source: docs/theory.md section 12.
+//! as velocities are those seen from space. Source: docs/theory/rub.md#force-law.
 
 use crate::model::Stator;
 use crate::results::RubContact;

@@ -2,7 +2,7 @@
 //!
 //! Moments `A_ab,ij[g] = int g A_ab,ij dA` come group by group, stations side by side in the registers. They are
 //! integrated along the axis for every pair of nodes; from then on pairs of nodes lie side by side. The stiffness of a
-//! pair of vectors is a sum of such integrals times factors, its terms. Source: derived in docs/theory.md section 3.
+//! pair of vectors is a sum of such integrals times factors, its terms. Source: derived in docs/theory/elements.md#nonlinear-forces.
 
 use crate::element::kernel::simd::Scratch;
 use crate::element::kernel::stations::{NODES, Stations};

@@ -5,7 +5,7 @@
 //! 2. Oriented boxes with the separating axis test.
 //! 3. Narrow: the chord of one curve, clipped by the other's oriented box; what is left is measured by projection.
 //!
-//! Source: docs/theory.md section 13.
+//! Source: docs/theory/contact.md#gap.
 
 use crate::model::scene::{ContactSettings, Enforcement, Face as Place, Scene};
 use crate::scene::bodies::Bodies;

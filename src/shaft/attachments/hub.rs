@@ -8,7 +8,7 @@
 //! ```
 //!
 //! the first part for rigid hubs, the second for normals. It does not change when the triad turns as a whole, and the
-//! mass of the normal is constant, so that the equations keep their form in every frame. Source: docs/theory.md section 6.
+//! mass of the normal is constant, so that the equations keep their form in every frame. Source: docs/theory/supports.md#disks.
 
 use crate::model::{ActsOn, Hub, Model, SectionHold, SupportKind};
 use crate::shaft::attachments::{Contribution, Numbering, affine_rows, elements_at};

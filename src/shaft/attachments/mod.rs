@@ -1,7 +1,7 @@
 //! Supports, bearings and disks: linear constraints and constant matrices at the nodes.
 //!
 //! A node of order n carries (n+1)(n+2)/2 vectors, so "clamped" or "on the section" needs a meaning;
-//! docs/theory.md section 7 states it. Coordinates are scaled: `q = R^(a+b) r_,(y^a z^b)`.
+//! docs/theory/supports.md#kinds states it. Coordinates are scaled: `q = R^(a+b) r_,(y^a z^b)`.
 
 mod hub;
 

@@ -2,7 +2,7 @@
 //!
 //! A force acts on the mean displacement of a section (or of a boundary of it), a moment on its mean rotation, a pressure on
 //! the surface as it is. Axes are fixed in space unless a load follows. "Dead" moments and pressures are the tractions of
-//! the undeformed shaft, whatever the motion. Source: docs/theory.md section 7.
+//! the undeformed shaft, whatever the motion. Source: docs/theory/loads.md#loads.
 
 mod section;
 mod surface;

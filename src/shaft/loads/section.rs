@@ -8,7 +8,7 @@
 //!     dtheta = n x dn + n (I_y e_z . dd_y - I_z e_y . dd_z) / (I_y e_y . d_y + I_z e_z . d_z),   dn . d_y = - n . dd_y (z alike)
 //! ```
 //!
-//! and a moment m does the work `m . dtheta`. Source: docs/theory.md section 7.
+//! and a moment m does the work `m . dtheta`. Source: docs/theory/loads.md#loads.
 
 use crate::model::{Load, LoadKind, Model, Reading};
 use crate::shaft::attachments::{Contribution, Numbering, Region, affine_rows, displacement_weights};

@@ -2,7 +2,7 @@
 //!
 //! On a line of the lateral surface with the tangent t (counterclockwise about x) the area of a piece `ds dx` is
 //! `a = (r_,y t_y + r_,z t_z) x r_,x`, along the normal to the right of t; a pressure p exerts `-p a`. A traction that follows
-//! is given per undeformed area along the axes of the section, turned with it. Source: docs/theory.md section 7.
+//! is given per undeformed area along the axes of the section, turned with it. Source: docs/theory/loads.md#loads.
 
 use crate::element::basis::{derivative, evaluate, lagrange};
 use crate::element::boundary_curve::{LinePoint, line};
