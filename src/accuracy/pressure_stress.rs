@@ -78,7 +78,7 @@ fn radii(section: &Section) -> [f64; 2] {
 pub struct Missed {
     /// In the functions, at bore and rim, Pa.
     pub ours: [Stresses; 2],
-    /// Lame's, Pa.
+    /// Stresses of Lame's solution at bore and rim, Pa.
     pub exact: [Stresses; 2],
     /// Largest error over the largest stress.
     pub share: f64,

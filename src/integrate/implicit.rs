@@ -44,11 +44,12 @@ const EMBEDDED: [f64; STAGES] = [
 
 /// Share of the step's tolerance left to the Newton iteration.
 const NEWTON: f64 = 0.03;
-/// Convergence rate that is trusted without a second iteration.
+/// Least ratio of two corrections that is remembered: no iteration is trusted to converge faster.
 const FASTEST: f64 = 0.02;
 /// Most iterations of a stage.
 const ITERATIONS: usize = 15;
-/// Corrections over the shaft's length that are rounding.
+/// Size of a correction over the length of the shaft below which it is rounding and the iteration has
+/// converged.
 const ROUNDING: f64 = 1e-12;
 /// Convergence rate from which a fresh matrix is worth its price.
 const SLOW: f64 = 0.25;
@@ -60,15 +61,16 @@ const RELAX: f64 = 1.01;
 const PATIENCE: usize = 4;
 /// Steps that a tangent serves before the undeformed shaft's matrix is tried again.
 const SERVED: usize = 20;
-/// Relative change of the matrix' coefficients it may serve for.
+/// Largest relative change of its coefficients, by step or speed, with which a factorised matrix may still serve.
 const STALE: f64 = 0.1;
-/// Relative change of the coefficients that makes no difference.
+/// Relative change of the coefficients below which a new matrix would be as good as the same.
 const RIGHT: f64 = 0.01;
 
-/// Which implicit method.
+/// Which of the implicit methods integrates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scheme {
-    /// ESDIRK4(3).
+    /// ESDIRK4(3) of Kennedy and Carpenter: six stages, order four, an embedded method of order three for the
+    /// error.
     Esdirk,
     /// Generalized-alpha with that spectral radius at infinite frequency.
     GeneralizedAlpha {
@@ -667,7 +669,7 @@ impl Secants {
     }
 }
 
-/// `a . b`, eight sums side by side.
+/// Scalar product `a . b`, in eight sums side by side that fill the vector registers.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
     let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(a, b)| a * b).sum();

@@ -31,13 +31,13 @@ pub struct Layout {
 pub struct Link {
     /// Its coordinates at both ends, counted from the first one of the end node.
     pub ends: [Vec<usize>; 2],
-    /// Its own coordinates.
+    /// Coordinates of the element that no other element shares.
     pub interior: Range<usize>,
 }
 
 /// The terms of a matrix.
 pub struct Terms<'a> {
-    /// Distinct element matrices.
+    /// The distinct matrices of elements; elements that are copies of each other share one.
     pub elements: Vec<Mat<f64>>,
     /// Which of them each element has.
     pub element_type: Vec<usize>,
@@ -45,7 +45,7 @@ pub struct Terms<'a> {
     pub nodal: Vec<(f64, &'a [usize], MatRef<'a, f64>)>,
 }
 
-/// A factorised matrix.
+/// A factorised matrix of a chain, ready to solve for right-hand sides.
 pub struct Chain {
     layout: Layout,
     condensed: Vec<Condensed>,
@@ -58,11 +58,11 @@ pub struct Chain {
 
 /// Elements with one matrix.
 struct Condensed {
-    /// `A_ii^-1`.
+    /// Inverse of the block of interior coordinates, `A_ii^-1`.
     inverse: Mat<f64>,
-    /// `A_ei`.
+    /// Block that couples end nodes to interior coordinates, `A_ei`.
     outward: Mat<f64>,
-    /// `A_ii^-1 A_ie`.
+    /// How interior coordinates follow the end nodes, but for the sign: `A_ii^-1 A_ie`.
     inward: Mat<f64>,
     elements: Vec<usize>,
 }

@@ -127,7 +127,7 @@ fn add(y: &mut [f64], factor: f64, x: &[f64]) {
     }
 }
 
-/// `x^T y`.
+/// Scalar product `x^T y`, in [`LANES`] sums side by side.
 #[inline(always)]
 fn dot(x: &[f64], y: &[f64]) -> f64 {
     let whole = x.len() / LANES * LANES;

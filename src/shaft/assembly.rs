@@ -23,9 +23,9 @@ type ElementMatrix<'a> = &'a dyn Fn(&Material, &ElementMatrices) -> Mat<f64>;
 
 /// A model with its numbering, constraints and the matrices of its distinct elements.
 pub struct Assembly<'a> {
-    /// The model.
+    /// The model whose matrices are assembled.
     pub model: &'a Model,
-    /// Coordinates before constraints.
+    /// Where each node, vector and component stands among the coordinates before constraints.
     pub numbering: Numbering,
     /// `T`: every coordinate as a sum over free coordinates.
     expansion: Vec<Vec<(usize, f64)>>,
@@ -42,9 +42,10 @@ pub struct Assembly<'a> {
 /// What a system matrix sums: the matrix of every distinct element (none: no element has a share), and
 /// contributions of nodes.
 pub struct Parts {
-    /// By type of element.
+    /// One matrix for each distinct element, in the coordinates of the element; empty where no element has a
+    /// share.
     pub elements: Vec<Mat<f64>>,
-    /// On coordinates before constraints.
+    /// What nodes (disks, hubs, bearings) add, on coordinates before constraints.
     pub nodal: Vec<Contribution>,
 }
 
@@ -52,7 +53,7 @@ pub struct Parts {
 pub struct Spring {
     /// The displacement it feels, as a row over coordinates before constraints.
     pub row: Vec<(usize, f64)>,
-    /// N/m, above zero.
+    /// Stiffness along that direction (N/m), always above zero.
     pub stiffness: f64,
 }
 
@@ -209,7 +210,7 @@ impl<'a> Assembly<'a> {
         self.add_up(&self.mass_parts())
     }
 
-    /// Parts of [`Self::mass`].
+    /// The mass matrix before it is summed: one matrix for each distinct element, and those of the disks.
     pub fn mass_parts(&self) -> Parts {
         self.parts(Some(&|_, m| m.mass.clone()), attachments::disk_mass(self.model, &self.numbering))
     }
@@ -284,7 +285,7 @@ impl<'a> Assembly<'a> {
             .map(|nodal| Parts { elements: Vec::new(), nodal })
     }
 
-    /// `alpha M` of the shaft.
+    /// External damping `alpha M` of the shaft (N s/m); disks have none.
     pub fn external_damping(&self) -> Sparse {
         self.add_up(&self.external_parts())
     }
@@ -305,7 +306,7 @@ impl<'a> Assembly<'a> {
         self.build(None, nodal)
     }
 
-    /// Gyroscopic matrix per unit spin speed.
+    /// Gyroscopic matrix G for a spin of 1 rad/s, seen from space: it adds `Omega G u'` to the inertia forces.
     pub fn gyroscopic(&self, whose: Gyroscopic) -> Sparse {
         let disks = match whose {
             Gyroscopic::None => Vec::new(),
@@ -325,7 +326,7 @@ impl<'a> Assembly<'a> {
         self.add_up(&self.mass_parts().times_cross().times_cross())
     }
 
-    /// Spin-softening matrix per unit spin speed squared.
+    /// Spin-softening matrix N for a spin of 1 rad/s: the stiffness changes by `-Omega^2 N`.
     pub fn spin_softening(&self) -> Sparse {
         let disks = attachments::disk_softening(self.model, &self.numbering);
         self.build(Some(&|_, m| m.spin_softening.clone()), disks)

@@ -6,11 +6,11 @@ use std::f64::consts::PI;
 /// Angle, speed and acceleration of the drive.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Turn {
-    /// Theta, rad.
+    /// Angle Theta by which the drive has turned since t = 0, rad.
     pub angle: f64,
     /// Omega = dTheta/dt, rad/s.
     pub speed: f64,
-    /// dOmega/dt, rad/s^2.
+    /// Angular acceleration dOmega/dt, rad/s^2.
     pub acceleration: f64,
 }
 

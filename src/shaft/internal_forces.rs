@@ -114,7 +114,7 @@ type Evaluate<'a> = &'a (dyn Fn(&ElementForces, &[f64], &mut [f64], &mut Scratch
 /// Elements and hubs of a shaft, ready to be evaluated.
 pub struct Forces<'a> {
     assembly: &'a Assembly<'a>,
-    /// Distinct elements.
+    /// Force laws of the distinct elements: elements that are copies of each other share one.
     elements: Vec<ElementForces>,
     hubs: Hubs,
     /// First coordinate of every node of every element, and coordinates of one node.

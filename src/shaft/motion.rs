@@ -75,9 +75,9 @@ pub struct Powers {
 /// Energies and momentum of a state.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct State {
-    /// Kinetic energy, J.
+    /// Kinetic energy of shaft and disks as seen from space, J.
     pub kinetic: f64,
-    /// Strain energy, J.
+    /// Strain energy of elements and hubs, J.
     pub strain: f64,
     /// Potential of gravity and of loads fixed in space, zero in the undeformed shaft at angle zero, J.
     pub potential: f64,
@@ -92,7 +92,7 @@ pub struct State {
 pub struct Counts {
     /// Evaluations of the nonlinear forces.
     pub force_evaluations: usize,
-    /// Newton matrices factorised.
+    /// Newton matrices that were built and factorised.
     pub factorizations: usize,
     /// Of those, with the tangent of the present state.
     pub tangents: usize,
@@ -115,7 +115,7 @@ pub struct NewtonMatrix {
 struct Border {
     /// `c`, on the free coordinates.
     row: Vec<f64>,
-    /// `A^-1 b`.
+    /// The answer `A^-1 b` of the free coordinates to the angle's unknown.
     answer: Vec<f64>,
     /// Derivative of the torque by the angle's unknown, less `c . A^-1 b`.
     pivot: f64,
@@ -133,9 +133,9 @@ impl Border {
 
 /// Equations of motion with their memory.
 pub struct Dynamics<'a> {
-    /// The assembly.
+    /// Numbering, constraints and matrices of the shaft.
     pub assembly: &'a Assembly<'a>,
-    /// The drive.
+    /// Angle and speed over time, or the torque from which they follow.
     pub drive: Drive,
     /// Frame of the unknowns.
     pub frame: Frame,

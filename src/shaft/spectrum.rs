@@ -36,7 +36,7 @@ pub struct Flexibility {
     factor: Ldlt<f64>,
     /// Rigid motions R, `R^T M R = I`.
     pub rigid: Mat<f64>,
-    /// `M R`.
+    /// Mass times the rigid motions, `M R`: forces that move the shaft without straining it.
     pub mass_rigid: Mat<f64>,
     soft: Option<Soft>,
 }
@@ -47,17 +47,18 @@ struct Soft {
     stiffness: Sparse,
     /// Motions R that only these springs resist, `R^T M R = I`, orthogonal to the rigid ones.
     motions: Mat<f64>,
-    /// `M R`.
+    /// Mass times the motions that only soft springs resist, `M R`.
     mass_motions: Mat<f64>,
     /// `B`, the displacement each spring feels.
     rows: Mat<f64>,
-    /// `k`, N/m.
+    /// Stiffness k of each soft spring, N/m.
     law: Vec<f64>,
-    /// `K_0^+ B`, balanced.
+    /// Displacements under a unit force of each soft spring that the rigid and the loose motions balance,
+    /// `K_0^+ B`.
     answers: Mat<f64>,
     /// `(1 + k B^T K_0^+ B)^-1 k`.
     law_in_series: Mat<f64>,
-    /// `B^T R`.
+    /// What each soft spring feels of the motions that only they resist, `B^T R`.
     felt: Mat<f64>,
     /// `A^-1`, `A = R^T B (law in series) B^T R`.
     inverse: Mat<f64>,
@@ -346,9 +347,9 @@ pub fn mass_orthonormal(mass: &Sparse, mut x: Mat<f64>) -> Mat<f64> {
 
 /// The lowest natural modes with the matrices they belong to.
 pub struct Spectrum {
-    /// Mass.
+    /// Mass matrix M of shaft and disks in the free coordinates.
     pub mass: Sparse,
-    /// Stiffness.
+    /// Stiffness K at rest in the free coordinates, bearings included.
     pub stiffness: Sparse,
     /// Generalised inverse of the stiffness, with the rigid motions.
     pub flexibility: Flexibility,

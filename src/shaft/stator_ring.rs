@@ -20,7 +20,7 @@ use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 const SLIP: f64 = 0.01;
 /// Share of a step's tolerance by which a ring may be passed before it acts. Newton's iteration leaves less.
 const MARGIN: f64 = 0.1;
-/// The same as a share of the clearance.
+/// Depth by which a ring may be passed before it acts, as a share of its clearance; the lesser of both counts.
 const SHALLOW: f64 = 1e-4;
 /// Depth over the radius of a ring that rounding makes of a path along it.
 const ROUNDING: f64 = 1e-12;
@@ -131,7 +131,7 @@ impl Law {
 pub struct Ring {
     /// Node of the shaft.
     pub node: usize,
-    /// Its law.
+    /// Radial play, stiffness and friction, from which gap and forces follow.
     pub law: Law,
     /// u, R r_,y and R r_,z as sums over vectors of the node, `(first coordinate, weight)`.
     pub rows: [Vec<(usize, f64)>; 3],
@@ -199,11 +199,11 @@ impl Ring {
 /// A ring in contact.
 #[derive(Debug, Clone, Copy)]
 pub struct Touch {
-    /// Which ring.
+    /// Index of the ring among those of the shaft.
     pub ring: usize,
     /// Place of the shaft in it.
     pub place: Vector,
-    /// Its rate as seen from space.
+    /// Rate of that place as seen from space, m/s.
     pub rate: Vector,
 }
 
@@ -287,7 +287,7 @@ impl Path {
 /// The rings around a shaft.
 #[derive(Debug, Clone, Default)]
 pub struct Rub {
-    /// The rings.
+    /// Every ring around the shaft, in the order of the case.
     pub rings: Vec<Ring>,
     /// Looks at gaps: searches of paths that may reach a ring, and evaluations with a ring that acts.
     pub gap_checks: usize,

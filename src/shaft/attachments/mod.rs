@@ -17,7 +17,7 @@ pub use hub::Hubs;
 pub struct Contribution {
     /// Coordinates, one for each row and column.
     pub coordinates: Vec<usize>,
-    /// The matrix.
+    /// The matrix on these coordinates, square, in their order.
     pub matrix: Mat<f64>,
 }
 
@@ -87,7 +87,7 @@ impl Numbering {
         self.offsets[node] + 3 * vector + component
     }
 
-    /// Number of coordinates.
+    /// Number of coordinates of the whole shaft before constraints.
     pub fn len(&self) -> usize {
         self.offsets[self.offsets.len() - 1]
     }

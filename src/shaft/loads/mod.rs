@@ -43,7 +43,7 @@ impl Turned {
 
 /// A load: forces on all coordinates (N) that are fixed in space, or a law.
 enum Law {
-    /// Fixed in space.
+    /// Forces on all coordinates (N) that keep their size and their direction in space.
     Fixed(Vec<f64>),
     /// Of the place of one section.
     Section(SectionLoad),
@@ -51,15 +51,15 @@ enum Law {
     Surface(Vec<ElementSurface>),
 }
 
-/// Which loads act.
+/// Which of the loads of a case act in an evaluation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Which {
-    /// All, and gravity.
+    /// All loads of the case, and gravity.
     All,
     /// Those that do not change in the frame that turns with the shaft: what follows, pressure, and whatever acts along or
     /// about x.
     ConstantInTurningFrame,
-    /// None.
+    /// No load, and no gravity.
     None,
 }
 

@@ -132,7 +132,7 @@ pub fn frame<D: DualNum<f64> + Copy>(y: [D; 3], z: [D; 3], inertia: [f64; 2]) ->
     [n, e_y, cross(n, e_y)]
 }
 
-/// `sum_i v_i frame_i`.
+/// The vector with the components v along a frame, in the axes in which the frame is given: `sum_i v_i frame_i`.
 pub fn turn<D: DualNum<f64> + Copy>(frame: &[[D; 3]; 3], v: [f64; 3]) -> [D; 3] {
     [0, 1, 2].map(|c| frame[0][c] * v[0] + frame[1][c] * v[1] + frame[2][c] * v[2])
 }

@@ -28,7 +28,7 @@ struct Around {
     tangent: Vec<f64>,
 }
 
-/// What acts.
+/// What acts on the surface: a pressure, or a traction that follows the section.
 enum Acting {
     /// Pressure, Pa, on these points.
     Pressure(f64, Vec<Around>),
@@ -41,7 +41,7 @@ enum Acting {
 pub struct ElementSurface {
     /// First coordinate of the vectors of every node of the element.
     starts: Vec<usize>,
-    /// Vectors of a node.
+    /// Number of vectors of a node.
     vectors: usize,
     stations: Vec<Station>,
     acting: Acting,
@@ -216,7 +216,7 @@ fn traction_tangent(
     })
 }
 
-/// `sum_k weight_k vector_k`.
+/// Weighted sum of the vectors of a node, `sum_k weight_k vector_k`.
 fn sum(weights: &[f64], vectors: &[[f64; 3]]) -> [f64; 3] {
     let mut total = [0.0; 3];
     for (w, v) in weights.iter().zip(vectors) {
@@ -229,7 +229,7 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// The matrix of `a x`.
+/// The matrix A of the cross product, `A b = a x b`.
 fn skew(a: [f64; 3]) -> [[f64; 3]; 3] {
     [[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]]
 }
