@@ -22,9 +22,9 @@ use nalgebra::Vector3;
 
 /// Error of the displacement that calls for a warning.
 const COARSE: f64 = 1e-2;
-/// Of elements quadratic along x.
+/// Factor of `theta^2 (l/i)^2` in the error of elements that are quadratic along x.
 const QUADRATIC: f64 = 3.5e-3;
-/// Of elements cubic along x: however slender, and by slenderness.
+/// Factors of `theta^2` and of `theta^2 g^2 (l/i)^2` in the error of elements that are cubic along x.
 const CUBIC: [f64; 2] = [0.5, 4.5e-4];
 /// Exponent of the leverage that a turned section loses, and the turn up to which it was measured, rad.
 const LEVERAGE: (f64, f64) = (0.75, 1.5);

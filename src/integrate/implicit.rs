@@ -55,7 +55,7 @@ const ROUNDING: f64 = 1e-12;
 const SLOW: f64 = 0.25;
 /// Iterations of a stage that make a shorter step cheaper.
 const LABORIOUS: usize = 4;
-/// Growth of the longest step per step after a failure.
+/// Factor by which the bound on the step grows with every step after a failure set it.
 const RELAX: f64 = 1.01;
 /// Steps cut in halves before the tangent of the present state is tried.
 const PATIENCE: usize = 4;
@@ -178,7 +178,7 @@ struct Run {
     last_powers: (f64, Flows),
     /// Flows counted beyond the last evaluation, by extrapolation (generalized-alpha).
     beyond: Flows,
-    /// Steps of fixed size: accepted whatever the error.
+    /// True for steps of fixed size, which are accepted whatever their error.
     fixed: bool,
     newton: Newton,
     /// Velocities and accelerations of the stages.
@@ -609,7 +609,7 @@ struct Secants {
     pairs: Vec<(Vec<f64>, Vec<f64>)>,
     /// Place of the next pair.
     next: usize,
-    /// Products of the `delta d`.
+    /// Scalar products of the `delta d` of the kept pairs.
     gram: [[f64; PAIRS]; PAIRS],
     step: Vec<f64>,
     correction: Vec<f64>,

@@ -35,11 +35,11 @@ pub struct Link {
     pub interior: Range<usize>,
 }
 
-/// The terms of a matrix.
+/// The terms that a matrix of a chain is the sum of.
 pub struct Terms<'a> {
     /// The distinct matrices of elements; elements that are copies of each other share one.
     pub elements: Vec<Mat<f64>>,
-    /// Which of them each element has.
+    /// For every element the index of its matrix in the list above.
     pub element_type: Vec<usize>,
     /// Factor, coordinates and matrix of further contributions, each on the coordinates of one end node.
     pub nodal: Vec<(f64, &'a [usize], MatRef<'a, f64>)>,
@@ -56,7 +56,7 @@ pub struct Chain {
     upper: Vec<Mat<f64>>,
 }
 
-/// Elements with one matrix.
+/// What elimination of the interior leaves of a distinct matrix of elements.
 struct Condensed {
     /// Inverse of the block of interior coordinates, `A_ii^-1`.
     inverse: Mat<f64>,
@@ -270,7 +270,7 @@ fn invert(a: &Mat<f64>) -> Result<Mat<f64>> {
     ))
 }
 
-/// `c -= a b`.
+/// Subtracts a product of matrices in place, `c -= a b`.
 fn subtract_product(c: MatMut<'_, f64>, a: &Mat<f64>, b: &Mat<f64>) {
     matmul(c, Accum::Add, a, b, -1.0, Par::Seq);
 }

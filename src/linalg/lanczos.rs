@@ -107,9 +107,9 @@ pub fn lowest(pencil: &Pencil<'_>, wanted: usize) -> Result<Eigenpairs> {
 struct Apart {
     /// Orthonormal in the energy product.
     vectors: Mat<f64>,
-    /// What K makes of them.
+    /// K times these vectors.
     images: Mat<f64>,
-    /// Those with a positive theta.
+    /// Indices of the vectors whose theta is positive.
     positive: Vec<usize>,
 }
 

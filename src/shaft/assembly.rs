@@ -29,11 +29,11 @@ pub struct Assembly<'a> {
     pub numbering: Numbering,
     /// `T`: every coordinate as a sum over free coordinates.
     expansion: Vec<Vec<(usize, f64)>>,
-    /// Index before constraints of every free coordinate.
+    /// For every free coordinate its index among the coordinates before constraints.
     free: Vec<usize>,
     /// Matrices of the distinct elements.
     distinct: Vec<ElementMatrices>,
-    /// Which of them each element uses.
+    /// For every element the index of its matrices in the list above.
     element_type: Vec<usize>,
     /// Node and coefficients (over its coordinates) of every constraint.
     constraints: Vec<(usize, Vec<f64>)>,
@@ -670,7 +670,7 @@ fn times_cross(a: &Mat<f64>) -> Mat<f64> {
     })
 }
 
-/// `beta K + alpha M` of an element.
+/// Damping matrix of an element by its material, `beta K + alpha M`, N s/m.
 fn material_damping(material: &Material, m: &ElementMatrices) -> Mat<f64> {
     &m.stiffness * faer::Scale(material.stiffness_damping) + &m.mass * faer::Scale(material.mass_damping)
 }

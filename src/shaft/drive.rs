@@ -24,7 +24,8 @@ pub struct Drive {
     torque: Vec<[f64; 2]>,
     /// Rotation at the ends of the steps of a run under torque, times ascending.
     passed: Vec<(f64, Turn)>,
-    /// Time up to which the ends of phases belong to the next phase.
+    /// Time until which the end of a phase counts as the start of the next one: on a straight ramp the
+    /// acceleration jumps there.
     begun: f64,
 }
 

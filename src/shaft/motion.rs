@@ -32,7 +32,7 @@ enum Following {
     Rotation,
     /// Its rotation about the shaft axis: a support holds the rest.
     Spin,
-    /// None: the constraints are those of fixed components.
+    /// The matrix stays as it is: constraints hold single components, which no rotation leaves as they are.
     Nothing,
 }
 
@@ -40,12 +40,12 @@ enum Following {
 struct NodePlace {
     start: usize,
     end: usize,
-    /// Turns relative to the frame of the unknowns.
+    /// True where the coordinates of the node turn with the drive in the frame of the unknowns.
     turned: bool,
     following: Following,
 }
 
-/// Turn of a contact in its section that a Newton matrix is not kept for, rad.
+/// Angle (rad) by which a contact may move on its section before the Newton matrix is made anew.
 const TURNED: f64 = 0.1;
 
 /// A linear bearing: weights of the vectors of its node.
@@ -87,14 +87,14 @@ pub struct State {
     pub angular_momentum: f64,
 }
 
-/// Work that was done.
+/// How often forces were evaluated and matrices factorised.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Counts {
     /// Evaluations of the nonlinear forces.
     pub force_evaluations: usize,
     /// Newton matrices that were built and factorised.
     pub factorizations: usize,
-    /// Of those, with the tangent of the present state.
+    /// How many of these were made of the tangent of a deformed state.
     pub tangents: usize,
 }
 
@@ -165,7 +165,7 @@ struct Linear {
     /// What no state changes: `M`; `alpha M` and the bearings' damping; their stiffness; in the rotating frame also
     /// `M J`, `M J^2` and `alpha M J`.
     constant: Vec<Parts>,
-    /// `K0` of elements and hubs.
+    /// Stiffness `K0` of elements and hubs about the undeformed state.
     elastic: Parts,
     /// Kelvin-Voigt factor of every distinct element, s.
     viscosity: Vec<f64>,
@@ -222,7 +222,7 @@ struct Memory {
     /// Sine and cosine of the drive's angle.
     turned: (f64, f64),
     turn: Turn,
-    /// Torque that the motion takes less that of the drive, N m.
+    /// Torque that the motion needs less the torque that the drive gives, N m; zero in balance.
     out_of_torque: f64,
 }
 
@@ -291,7 +291,7 @@ impl<'a> Dynamics<'a> {
         &self.rub
     }
 
-    /// The same, for an integrator to choose the rings that act.
+    /// The rings around the shaft, to be changed: an integrator chooses which of them act.
     pub fn rub_mut(&mut self) -> &mut Rub {
         &mut self.rub
     }

@@ -56,11 +56,11 @@ struct Soft {
     /// Displacements under a unit force of each soft spring that the rigid and the loose motions balance,
     /// `K_0^+ B`.
     answers: Mat<f64>,
-    /// `(1 + k B^T K_0^+ B)^-1 k`.
+    /// Stiffness of the soft springs in series with the shaft, `(1 + k B^T K_0^+ B)^-1 k`.
     law_in_series: Mat<f64>,
     /// What each soft spring feels of the motions that only they resist, `B^T R`.
     felt: Mat<f64>,
-    /// `A^-1`, `A = R^T B (law in series) B^T R`.
+    /// Inverse of what the springs in series oppose to the loose motions, `A = R^T B (law in series) B^T R`.
     inverse: Mat<f64>,
 }
 
@@ -78,7 +78,7 @@ impl Flexibility {
         Ok(Self { factor: Ldlt::new(&pinned)?, rigid, mass_rigid, soft: None })
     }
 
-    /// The same of a shaft at rest, with soft springs apart.
+    /// As [`Self::new`] for a shaft at rest, with springs that are soft beside the shaft kept out of the factorised matrix.
     ///
     /// # Errors
     /// When the factorisation fails, or nothing but cross-coupling holds a motion.
@@ -357,7 +357,7 @@ pub struct Spectrum {
     pub rigid_names: Vec<String>,
     /// `w^2` of the modes with strain, ascending.
     pub values: Vec<f64>,
-    /// Their shapes in columns, `x^T M x = 1`.
+    /// Shapes of the modes in columns, in the order of the values, scaled to `x^T M x = 1`.
     pub vectors: Mat<f64>,
     /// True when a Sturm count confirms that no mode below the last one is missing.
     pub complete: bool,
@@ -452,7 +452,7 @@ fn gap(values: &[f64], kept: usize, rank: usize) -> (f64, usize) {
     if at == 0 { (values[0] / 2.0, 0) } else { ((values[at - 1] * values[at]).sqrt(), at) }
 }
 
-/// Relative difference of two values that is none.
+/// Relative difference below which two values count as equal.
 const EQUAL: f64 = 1e-10;
 
 /// Shapes of equal value are arbitrary mixtures: turns them into the planes of symmetry, motions along y before those along z,

@@ -22,9 +22,9 @@ const SLIP: f64 = 0.01;
 const MARGIN: f64 = 0.1;
 /// Depth by which a ring may be passed before it acts, as a share of its clearance; the lesser of both counts.
 const SHALLOW: f64 = 1e-4;
-/// Depth over the radius of a ring that rounding makes of a path along it.
+/// Depth over the radius of a ring that rounding alone gives to a path along the ring; it counts as no passage.
 const ROUNDING: f64 = 1e-12;
-/// Halvings of a step that place a touch in it.
+/// Halvings of a step by which a touch is located: 2^-44 of the step.
 const HALVINGS: usize = 44;
 
 /// y and z of the axis vector and of R r_,y and R r_,z, or anything conjugate to them.
@@ -133,9 +133,10 @@ pub struct Ring {
     pub node: usize,
     /// Radial play, stiffness and friction, from which gap and forces follow.
     pub law: Law,
-    /// u, R r_,y and R r_,z as sums over vectors of the node, `(first coordinate, weight)`.
+    /// The displacement u and the vectors R r_,y and R r_,z as sums over vectors of the node: first coordinate
+    /// and weight of each.
     pub rows: [Vec<(usize, f64)>; 3],
-    /// It takes part in the equations of the present step.
+    /// True while the ring has its force in the equations of the present step.
     pub acts: bool,
     /// y and z of u as sums over the unknowns, in the node's own directions.
     across: [Vec<(usize, f64)>; 2],
@@ -201,7 +202,7 @@ impl Ring {
 pub struct Touch {
     /// Index of the ring among those of the shaft.
     pub ring: usize,
-    /// Place of the shaft in it.
+    /// Place of the shaft in the ring: y and z of u, R r_,y and R r_,z, m.
     pub place: Vector,
     /// Rate of that place as seen from space, m/s.
     pub rate: Vector,
@@ -232,7 +233,7 @@ impl Path {
         self.split(s)[1].0[0].norm()
     }
 
-    /// Radius that the path does not pass, m.
+    /// A radius (m) that the path nowhere exceeds: the largest distance of its Bernstein points from the axis.
     pub fn bound(&self) -> f64 {
         self.0.iter().fold(0.0, |m: f64, b| m.max(b.norm()))
     }

@@ -45,9 +45,9 @@ impl Turned {
 enum Law {
     /// Forces on all coordinates (N) that keep their size and their direction in space.
     Fixed(Vec<f64>),
-    /// Of the place of one section.
+    /// A law whose forces depend on the displacement and rotation of one section.
     Section(SectionLoad),
-    /// Of the places of surface points, by element.
+    /// Laws whose forces depend on the places of points of the surface, one for each loaded element.
     Surface(Vec<ElementSurface>),
 }
 
@@ -65,9 +65,9 @@ pub enum Which {
 
 /// The loads of a model.
 pub struct Loads {
-    /// Those fixed in space and gravity, summed, N.
+    /// Sum of gravity and of all loads that are fixed in space, on all coordinates, N.
     fixed: Vec<f64>,
-    /// Path in the case and law of every load.
+    /// Every load: its path in the case (`loads.0`) and its law.
     list: Vec<(String, Law)>,
 }
 

@@ -28,7 +28,7 @@ pub struct SectionLoad {
     moment: [f64; 3],
     /// The components are those along the axes of the section.
     follows: bool,
-    /// `I_y`, `I_z`, in any measure.
+    /// `I_y = int y^2` and `I_z = int z^2` of what the load acts on; only their ratio counts.
     inertia: [f64; 2],
     /// Mean displacement, d_y and d_z as sums over vectors, `(first coordinate, weight)`.
     rows: [Vec<(usize, f64)>; 3],
@@ -90,7 +90,7 @@ impl SectionLoad {
         }
     }
 
-    /// `d force / d q`.
+    /// Derivative of the forces by the coordinates, `d force / d q`; without symmetry.
     pub fn tangent(&self, q: &[f64], axes: Turned) -> Contribution {
         let (_, by_images): (Forces<f64>, SMatrix<f64, 9, 6>) =
             jacobian(|images| self.forces(images, axes), &self.images(q));

@@ -135,7 +135,7 @@ impl ElementSurface {
         }
     }
 
-    /// `d force / d q`.
+    /// Derivative of the forces by the coordinates, `d force / d q`; without symmetry.
     pub fn tangent(&self, q: &[f64]) -> Contribution {
         let n = 3 * self.vectors * self.starts.len();
         let mut matrix = Mat::<f64>::zeros(n, n);
