@@ -86,7 +86,7 @@ pub mod model;
 #[doc(hidden)]
 pub mod plot;
 #[cfg(not(feature = "plot"))]
-#[path = "no_plot.rs"]
+#[path = "plot/none.rs"]
 mod plot;
 #[doc(hidden)]
 pub mod report;

@@ -12,7 +12,7 @@
 //!
 //! g is the change of theta from element to element over twice its mean (1/n on a cantilever). s = exp(-0.75 phi^2), phi the
 //! largest turn of a section up to 1.5: a force loses its leverage on a bent shaft, and its displacement hardly depends on the
-//! stiffness any more; under moments alone s = 1. Constants are measured on cantilevers: docs/theory.md section 11.
+//! stiffness any more; under moments alone s = 1. Constants are measured on cantilevers: docs/theory/estimates.md#coarse-bending.
 
 use crate::model::{ActsOn, Element, LoadKind, Model};
 use crate::results::Diagnostic;
@@ -22,9 +22,9 @@ use nalgebra::Vector3;
 
 /// Error of the displacement that calls for a warning.
 const COARSE: f64 = 1e-2;
-/// Of elements quadratic along x.
+/// Factor of `theta^2 (l/i)^2` in the error of elements that are quadratic along x.
 const QUADRATIC: f64 = 3.5e-3;
-/// Of elements cubic along x: however slender, and by slenderness.
+/// Factors of `theta^2` and of `theta^2 g^2 (l/i)^2` in the error of elements that are cubic along x.
 const CUBIC: [f64; 2] = [0.5, 4.5e-4];
 /// Exponent of the leverage that a turned section loses, and the turn up to which it was measured, rad.
 const LEVERAGE: (f64, f64) = (0.75, 1.5);
@@ -105,7 +105,7 @@ pub fn bending_remark(assembly: &Assembly<'_>, q: &[f64], diagnostics: &mut Vec<
             "coarse-bending",
             format!(
                 "an element turns by {:.1} degrees from end to end, which makes the shaft too stiff: displacements are about {:.0} % \
-                 too small (on cantilevers within a factor of 2.3, docs/theory.md section 11); more elements{}",
+                 too small (on cantilevers within a factor of 2.3, docs/theory/estimates.md#coarse-bending); more elements{}",
                 largest.to_degrees(),
                 100.0 * error,
                 if assembly.model.elements.iter().any(|e| e.kind.axial_degree == 2) {

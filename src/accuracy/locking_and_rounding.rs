@@ -2,7 +2,7 @@
 //!
 //! Locking: a long body bends or twists uniformly; its section deforms as far as the functions of the member let it,
 //! and what it can't follow is stiffness in excess. Rounding: the static shape x of a smooth load f has the energy
-//! `x^T f`, of which `eps |x|^T |K| |x|` is rounding. Source: docs/theory.md section 11.
+//! `x^T f`, of which `eps |x|^T |K| |x|` is rounding. Source: docs/theory/estimates.md#before-a-run.
 
 use crate::accuracy::thin_wall::ovalling_error;
 use crate::element::basis::SectionProducts;
@@ -337,7 +337,8 @@ pub fn rounded_energy(assembly: &Assembly<'_>) -> Option<f64> {
     share.is_finite().then_some(share)
 }
 
-/// `|x|^T |K| |x|`.
+/// Energy of x with the absolute values of all terms, `|x|^T |K| |x|`: rounding errors of the energy are eps
+/// times it.
 fn absolute_energy(k: &Sparse, x: &Mat<f64>) -> f64 {
     let mut sum = 0.0;
     for j in 0..k.ncols() {

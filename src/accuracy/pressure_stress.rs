@@ -76,9 +76,9 @@ fn radii(section: &Section) -> [f64; 2] {
 /// Stresses at bore and rim: those in the functions of a basis, Lame's, and the largest error over the largest stress.
 #[derive(Debug, Clone, Copy)]
 pub struct Missed {
-    /// In the functions, at bore and rim, Pa.
+    /// Stresses that the functions of the section give at bore and rim, Pa.
     pub ours: [Stresses; 2],
-    /// Lame's, Pa.
+    /// Stresses of Lame's solution at bore and rim, Pa.
     pub exact: [Stresses; 2],
     /// Largest error over the largest stress.
     pub share: f64,

@@ -1,7 +1,7 @@
 //! Radial growth of long spinning bodies: the closed form, and how much of it a polynomial section reaches.
 //!
 //! A long circle or tube with free ends, linear elasticity: plane strain plus a uniform axial strain
-//! `e = -nu rho W^2 (a^2 + b^2) / (2 E)`. Source: derived in docs/theory.md section 8.
+//! `e = -nu rho W^2 (a^2 + b^2) / (2 E)`. Source: derived in docs/theory/growth.md#closed-form.
 
 use crate::element::basis::SectionProducts;
 use crate::element::continuum::lame;

@@ -2,7 +2,7 @@
 //!
 //! A long body's section in plane strain is a small eigenproblem of its own. The lowest elastic motion of a tube is
 //! its ovalling; a basis is measured against the ring functions of degree 4 with 4 harmonics. Source:
-//! docs/theory.md section 10.
+//! docs/theory/rings.md#thin-walls.
 
 use crate::element::basis::SectionProducts;
 use crate::element::continuum::lame;
@@ -14,13 +14,13 @@ use crate::section::basis::SectionBasis;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 
-/// Basis that counts as exact.
+/// Ring functions that count as exact when the error of others is estimated.
 const FINE: SectionBasis = SectionBasis::Ring { degree: 4, harmonics: 4 };
 /// Error of the ovalling frequency from which a warning is due.
 const POOR: f64 = 0.02;
 /// Wall over radius below which the estimate of a thinner wall is that of this one: the error no longer changes.
 const THIN: f64 = 2e-3;
-/// Digits below which a warning is due.
+/// Decimal digits left of a bending frequency of the wall, below which a warning is due.
 const FEW_DIGITS: f64 = 8.0;
 
 /// Lowest elastic frequency (rad/s) of a section in plane strain with the functions of a basis.

@@ -6,7 +6,8 @@
 //!
 //! (B bearings, D what damping by space and by bearings feels of the rotation, f loads) in the frame that turns with the
 //! shaft. Convergence is measured by energies, so it does not depend on units. Motions that nothing resists are pinned.
-//! Source: docs/theory.md sections 5, 6.
+//! Source: docs/theory/motion.md#equilibrium and
+//! docs/theory/linear-rotordynamics.md#stiffness-at-speed.
 
 use crate::error::Result;
 use crate::linalg::dot;
@@ -31,7 +32,7 @@ const SHORT: f64 = 0.1;
 
 /// The forces on a shaft at constant speed under its loads.
 pub struct Balance<'a> {
-    /// The assembly.
+    /// Numbering, constraints and matrices of the shaft.
     pub assembly: &'a Assembly<'a>,
     /// Nonlinear forces.
     pub forces: Forces<'a>,

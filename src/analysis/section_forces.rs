@@ -9,7 +9,7 @@
 //!
 //! The last part is the element's own: its mass, damping and surface loads. No stress enters, so that short elements cost no
 //! digits. Forces of supports carry what rounding makes of stresses: a section with supports at larger x alone takes the negative
-//! sum of what acts before it. Source: docs/theory.md section 7.
+//! sum of what acts before it. Source: docs/theory/loads.md#section-forces.
 
 use crate::analysis::probes::element_at;
 use crate::model::{Element, Model, Probe, SupportKind};

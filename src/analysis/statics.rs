@@ -148,7 +148,7 @@ pub fn strain_remark(largest: f64, diagnostics: &mut Vec<Diagnostic>) {
             "large-strain",
             format!(
                 "the largest principal strain is {:.1} %: St. Venant-Kirchhoff material is meant for small \
-                 strains, other laws would give other answers (docs/theory.md section 8)",
+                 strains, other laws would give other answers (docs/theory/growth.md#strain-limit)",
                 100.0 * largest
             ),
         ));

@@ -54,7 +54,7 @@ pub enum Gyroscopic {
     All,
     /// Disks only.
     Disks,
-    /// None.
+    /// No load, and no gravity.
     None,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Slender solids that do not spin up take the order that bends and twists them, radial growth and thick shafts take a
 //! higher one, walls take rings. The estimates are fitted to errors of section and shaft that are measured elsewhere;
-//! a mesh that is too coarse adds its own. Source: docs/theory.md section 10.
+//! a mesh that is too coarse adds its own. Source: docs/theory/rings.md#automatic-choice.
 
 use crate::section::basis::SectionBasis;
 use crate::section::{Section, Shape};

@@ -2,7 +2,8 @@
 //!
 //! Position field: `r(x,y,z) = sum_i L_i(xi) sum_(a+b<=n) eta^a zeta^b / (a! b!) q_i,(ab)` with
 //! `eta = y/R`, `zeta = z/R` and `q = R^(a+b) r_,(y^a z^b)`; xi in [-1, 1] along the element.
-//! Integrals of monomials are closed forms; functions of rings are in [`crate::element::ring_functions`]. Source: docs/theory.md sections 1 and 2.
+//! Integrals of monomials are closed forms; functions of rings are in [`crate::element::ring_functions`]. Source: docs/theory/elements.md#kinematics and
+//! docs/theory/elements.md#matrices.
 
 use crate::element::ring_functions;
 use crate::section::Section;

@@ -3,7 +3,7 @@
 //! Points with weights of length and of the outward normal. On a circle equal angles are exact for whatever a
 //! section carries; on an ellipse n of them converge like `((a - b) / (a + b))^(n/2)`
 //! and are taken until rounding. Source:
-//! docs/theory.md section 7.
+//! docs/theory/supports.md#acts-on.
 
 use crate::element::quadrature::gauss;
 use crate::section::{Section, Shape, Surface};

@@ -7,7 +7,8 @@
 //! ```
 //!
 //! where alpha = x derives the axial factor and y, z the section factor; `C_alpha_beta[a][b] =
-//! D[voigt(a,alpha)][voigt(b,beta)]`. Exact; source: docs/theory.md sections 2 and 4.
+//! D[voigt(a,alpha)][voigt(b,beta)]`. Exact; source: docs/theory/elements.md#matrices and
+//! docs/theory/elements.md#element-3333c.
 
 use crate::element::basis::{AxialProducts, SectionProducts};
 use crate::element::inertia::add_kronecker;

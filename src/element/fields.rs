@@ -1,7 +1,7 @@
 //! The functions that a node's vectors multiply, at points of a section and integrated over an area.
 //!
 //! Field of a node: `u(y, z) = sum_k f_k(y, z) q_k`, f_k the functions of [`SectionBasis`] in scaled coordinates.
-//! Source: docs/theory.md sections 1 and 10.
+//! Source: docs/theory/elements.md#kinematics and docs/theory/rings.md#functions.
 
 use crate::element::boundary_curve::LinePoint;
 use crate::element::ring_functions::{Ring, rule};

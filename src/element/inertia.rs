@@ -6,7 +6,7 @@
 //!     N = rho   [int L_i L_j dx] (x) [int (d_theta m_k)(d_theta m_l) dA] (x) I3
 //! ```
 //!
-//! Stationary frame, spin about +x; source: docs/theory.md section 2.
+//! Stationary frame, spin about +x; source: docs/theory/elements.md#matrices.
 
 use crate::element::basis::{AxialProducts, SectionProducts};
 use faer::Mat;

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! with `a x b = a_1 b_2 - a_2 b_1`. The first integral takes two Gauss points, the second three Lobatto points (the nodes);
-//! more points lock. Coordinates: node by node `r_x, r_y, b_x, b_y`. Source: docs/theory.md section 13.
+//! more points lock. Coordinates: node by node `r_x, r_y, b_x, b_y`. Source: docs/theory/contact.md.
 
 use crate::element::Kernel;
 use crate::element::kernel::simd::Scratch;

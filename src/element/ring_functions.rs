@@ -4,7 +4,7 @@
 //! `y = c_y rho cos(theta)`, `z = c_z rho sin(theta)`. With the wall coordinate `s = (2 rho - 1 - k) / (1 - k)` its
 //! functions are `P_a(s) cos(m theta)` and `P_a(s) sin(m theta)`. Integrands of constant matrices are polynomials in
 //! rho and 1/rho times harmonics: equal angles are exact, and as many Gauss points go across the wall as rounding
-//! resolves. Source: docs/theory.md section 10.
+//! resolves. Source: docs/theory/rings.md#functions.
 
 use crate::element::quadrature::gauss;
 use crate::section::basis::{RingFunction, ring_functions};

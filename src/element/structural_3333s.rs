@@ -15,7 +15,7 @@
 //!     E_yy = v_y,  E_zz = w_z,  E_yz = (w_y + v_z)/2
 //! ```
 //!
-//! The stiffness about that state is integrated exactly. Source: docs/theory.md section 4.
+//! The stiffness about that state is integrated exactly. Source: docs/theory/elements.md#element-3333s.
 
 use crate::element::Kernel;
 use crate::element::basis::{AxialProducts, derivative, evaluate, lagrange};

@@ -110,7 +110,7 @@ struct Run {
     /// Step to take next, and order of its predictor.
     h: f64,
     order: usize,
-    /// Order and step are still raised after every step.
+    /// True in the starting phase, in which order and step are raised after every step.
     starting: bool,
     failures: usize,
     /// Steps of the same size taken in a row.
@@ -120,7 +120,7 @@ struct Run {
     /// Differences `phi_j` of (v, a) at the present time, and of the powers.
     phi: Vec<Vec<f64>>,
     phi_powers: [Flows; HIGHEST + 2],
-    /// Those of them that belong to the history of steps.
+    /// How many of the differences belong to steps that were taken.
     valid: usize,
     /// `beta_j` and `g_j` of the step under way.
     beta: [f64; HIGHEST + 2],

@@ -9,7 +9,7 @@ use crate::shaft::drive::quintic;
 use crate::shaft::motion::{Dynamics, Powers};
 use std::ops::ControlFlow;
 
-/// Share of the tolerance below which it does not fall.
+/// Least share of the tolerance that a step keeps in the inertial frame, however little it turns.
 const LEAST_TURN: f64 = 1e-3;
 /// Steps after which the number still needed is estimated.
 const SETTLED: usize = 200;
@@ -18,29 +18,29 @@ const CUTS: usize = 8;
 /// Share of a step that is not worth a step of its own before or after a touch.
 const SLIVER: f64 = 1e-3;
 
-/// Which method.
+/// Which method integrates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
-    /// An implicit one.
+    /// An implicit method, which solves for the end of each step.
     Implicit(implicit::Scheme),
     /// Adams PECE of variable order and step, explicit.
     Adams,
 }
 
-/// How to integrate.
+/// How to integrate: the method, its tolerances and steps, and where steps must end.
 #[derive(Debug, Clone)]
 pub struct Settings {
-    /// Method.
+    /// The method that integrates.
     pub method: Method,
     /// Tolerance of a step relative to the largest displacement.
     pub rtol: f64,
-    /// Tolerance of a step, m.
+    /// Absolute tolerance of the error of a step in displacements, m.
     pub atol: f64,
     /// Fixed step, s; `None` for error control.
     pub step: Option<f64>,
-    /// First step, s.
+    /// Length of the first step that is tried, s.
     pub first_step: f64,
-    /// Most steps.
+    /// Number of steps after which the run is given up.
     pub max_steps: usize,
     /// Times that steps must end at, ascending; the last one ends the run.
     pub stops: Vec<f64>,
@@ -66,13 +66,13 @@ impl Settings {
 /// Displacement, velocity and acceleration at a time.
 #[derive(Debug, Clone, Default)]
 pub struct Moment {
-    /// Time, s.
+    /// Time since the start of the run, s.
     pub t: f64,
-    /// Free displacements, m.
+    /// Displacements of the free coordinates from the undeformed shaft, in the coordinates of the unknowns, m.
     pub z: Vec<f64>,
-    /// Their rates.
+    /// Rates of these displacements, m/s.
     pub v: Vec<f64>,
-    /// Their accelerations.
+    /// Second derivatives of these displacements by time, m/s^2.
     pub a: Vec<f64>,
 }
 
@@ -83,9 +83,9 @@ pub struct Flows {
     pub drive: f64,
     /// Work of the internal forces (strain energy plus material damping), with material damping only.
     pub internal: f64,
-    /// Absorbed by external damping.
+    /// Energy that external damping (`alpha M`) absorbed.
     pub external: f64,
-    /// Absorbed by bearings.
+    /// Energy that the dampers of the bearings absorbed.
     pub bearings: f64,
     /// Taken by friction at stators.
     pub friction: f64,
@@ -93,17 +93,17 @@ pub struct Flows {
     pub loads: f64,
 }
 
-/// An accepted step.
+/// A step that was accepted, with what flowed in it.
 pub struct Step<'a> {
-    /// Its start.
+    /// State at the start of the step.
     pub start: &'a Moment,
-    /// Its end.
+    /// State at the end of the step.
     pub end: &'a Moment,
-    /// Flows up to its start and its end, and torque at both.
+    /// Energies that flowed from the start of the run to the start and to the end of the step, J.
     pub flows: [Flows; 2],
     /// Torque of the drive at start and end, N m.
     pub torque: [f64; 2],
-    /// Its power at start and end, W.
+    /// Power of the drive at start and end, W.
     pub power: [f64; 2],
 }
 
@@ -113,7 +113,7 @@ pub type OnStep<'a> = dyn FnMut(&mut Dynamics<'_>, &Step<'_>, Progress) -> Resul
 /// What the integration took.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Progress {
-    /// Accepted steps.
+    /// Number of accepted steps.
     pub steps: usize,
     /// Rejected steps (error, convergence, or a ring passed on the way).
     pub rejected: usize,

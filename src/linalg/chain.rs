@@ -31,21 +31,21 @@ pub struct Layout {
 pub struct Link {
     /// Its coordinates at both ends, counted from the first one of the end node.
     pub ends: [Vec<usize>; 2],
-    /// Its own coordinates.
+    /// Coordinates of the element that no other element shares.
     pub interior: Range<usize>,
 }
 
-/// The terms of a matrix.
+/// The terms that a matrix of a chain is the sum of.
 pub struct Terms<'a> {
-    /// Distinct element matrices.
+    /// The distinct matrices of elements; elements that are copies of each other share one.
     pub elements: Vec<Mat<f64>>,
-    /// Which of them each element has.
+    /// For every element the index of its matrix in the list above.
     pub element_type: Vec<usize>,
     /// Factor, coordinates and matrix of further contributions, each on the coordinates of one end node.
     pub nodal: Vec<(f64, &'a [usize], MatRef<'a, f64>)>,
 }
 
-/// A factorised matrix.
+/// A factorised matrix of a chain, ready to solve for right-hand sides.
 pub struct Chain {
     layout: Layout,
     condensed: Vec<Condensed>,
@@ -56,13 +56,13 @@ pub struct Chain {
     upper: Vec<Mat<f64>>,
 }
 
-/// Elements with one matrix.
+/// What elimination of the interior leaves of a distinct matrix of elements.
 struct Condensed {
-    /// `A_ii^-1`.
+    /// Inverse of the block of interior coordinates, `A_ii^-1`.
     inverse: Mat<f64>,
-    /// `A_ei`.
+    /// Block that couples end nodes to interior coordinates, `A_ei`.
     outward: Mat<f64>,
-    /// `A_ii^-1 A_ie`.
+    /// How interior coordinates follow the end nodes, but for the sign: `A_ii^-1 A_ie`.
     inward: Mat<f64>,
     elements: Vec<usize>,
 }
@@ -270,7 +270,7 @@ fn invert(a: &Mat<f64>) -> Result<Mat<f64>> {
     ))
 }
 
-/// `c -= a b`.
+/// Subtracts a product of matrices in place, `c -= a b`.
 fn subtract_product(c: MatMut<'_, f64>, a: &Mat<f64>, b: &Mat<f64>) {
     matmul(c, Accum::Add, a, b, -1.0, Par::Seq);
 }

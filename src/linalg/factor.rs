@@ -20,7 +20,7 @@ pub struct Ldlt<T> {
     values: Vec<T>,
 }
 
-/// What takes the memory.
+/// What the message names when there is too little memory.
 const FACTORS: &str = "the factors of a system matrix";
 
 fn failed(what: String) -> Error {

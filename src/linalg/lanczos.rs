@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::linalg::dense::{graded_eigenvectors, self_adjoint};
 use faer::{Mat, MatRef};
 
-/// Vectors a block.
+/// Vectors by which the basis grows in each step.
 const BLOCK: usize = 6;
 /// Relative residual (energy norm) at which a Ritz pair is good enough to be polished.
 const CONVERGED: f64 = 1e-8;
@@ -18,18 +18,18 @@ const FINAL: f64 = 1e-11;
 const POLISHING: usize = 30;
 /// Groups of eigenvalues that stand decades apart, at most.
 const GROUPS: usize = 6;
-/// Range of theta within one group.
+/// Ratio of the smallest to the largest theta that are taken as one group.
 const GROUP: f64 = 1e-6;
 
 /// The operators of `K x = lambda B x`, applied to blocks of columns.
 pub struct Pencil<'a> {
-    /// Number of unknowns.
+    /// Number of rows of K and B.
     pub size: usize,
     /// Largest possible number of independent eigenvectors (size less the directions left out by `solve`).
     pub rank: usize,
-    /// `K X`.
+    /// Applies K to a block of columns, `K X`.
     pub apply_k: &'a dyn Fn(MatRef<'_, f64>) -> Mat<f64>,
-    /// `B X`.
+    /// Applies B to a block of columns, `B X`.
     pub apply_b: &'a dyn Fn(MatRef<'_, f64>) -> Mat<f64>,
     /// `K^-1 F`, on the complement of the null space of K.
     pub solve: &'a dyn Fn(Mat<f64>) -> Mat<f64>,
@@ -43,9 +43,9 @@ pub struct Pencil<'a> {
 /// Eigenpairs with the smallest positive lambda, ascending; vectors in columns with `x^T K x = lambda`
 /// (for a positive B this is `x^T B x = 1`).
 pub struct Eigenpairs {
-    /// Eigenvalues, ascending.
+    /// Eigenvalues lambda of `K x = lambda B x`, ascending.
     pub values: Vec<f64>,
-    /// Eigenvectors in columns.
+    /// Eigenvectors in columns, in the order of the eigenvalues.
     pub vectors: Mat<f64>,
 }
 
@@ -107,9 +107,9 @@ pub fn lowest(pencil: &Pencil<'_>, wanted: usize) -> Result<Eigenpairs> {
 struct Apart {
     /// Orthonormal in the energy product.
     vectors: Mat<f64>,
-    /// What K makes of them.
+    /// K times these vectors.
     images: Mat<f64>,
-    /// Those with a positive theta.
+    /// Indices of the vectors whose theta is positive.
     positive: Vec<usize>,
 }
 

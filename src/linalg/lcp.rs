@@ -76,7 +76,7 @@ pub fn lemke(n: MatRef<'_, f64>, p: &[f64], pivots: usize) -> Result<Vec<f64>, F
     if z.iter().all(|v| v.is_finite()) { Ok(z) } else { Err(Failure::NotFinite) }
 }
 
-/// A scaled problem.
+/// A complementarity problem after its rows and its right-hand side were scaled to about one.
 struct Problem {
     n: Mat<f64>,
     p: Vec<f64>,

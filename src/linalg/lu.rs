@@ -21,29 +21,29 @@ pub struct Entries {
 }
 
 impl Entries {
-    /// Forgets all entries.
+    /// Removes all entries and keeps the memory for the next matrix.
     pub fn clear(&mut self) {
         self.places.clear();
         self.values.clear();
     }
 
-    /// Number of values added.
+    /// Number of values that were added, those at equal places counted each.
     pub fn len(&self) -> usize {
         self.values.len()
     }
 
-    /// True without any.
+    /// True when no value was added.
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
 
-    /// Adds a value.
+    /// Adds a value at a place; several values at one place are summed.
     pub fn add(&mut self, row: usize, column: usize, value: f64) {
         self.places.push(Pair::new(row, column));
         self.values.push(value);
     }
 
-    /// `y = A x`.
+    /// Multiplies the matrix by a vector, `y = A x`; y is overwritten.
     pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for (place, value) in self.places.iter().zip(&self.values) {

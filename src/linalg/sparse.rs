@@ -13,7 +13,7 @@ pub type Sparse = SparseColMat<usize, f64>;
 /// Columns that are multiplied together, one row of them a cache line.
 const LANES: usize = 8;
 
-/// `A X`.
+/// Product `A X` of a sparse matrix and columns, by blocks of columns.
 pub fn multiply(a: &Sparse, x: MatRef<'_, f64>) -> Mat<f64> {
     let mut y = Mat::zeros(a.nrows(), x.ncols());
     Instructions::Widest.arch().unwrap_or(Arch::Scalar).dispatch(Product { a, x, y: &mut y });

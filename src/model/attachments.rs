@@ -84,7 +84,7 @@ pub enum SectionHold {
     Rigid,
 }
 
-/// Kinematic supports, see docs/theory.md section 7.
+/// Kinematic supports, see docs/theory/supports.md#kinds.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SupportKind {
     /// No displacement, no tilt, no rotation.

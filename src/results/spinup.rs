@@ -438,7 +438,7 @@ pub struct IntegratorSummary {
     pub frame: &'static str,
     /// Integration of the forces, e.g. "exact".
     pub quadrature: String,
-    /// Accepted steps.
+    /// Number of accepted steps.
     pub steps: usize,
     /// Rejected steps.
     pub rejected: usize,
@@ -446,6 +446,6 @@ pub struct IntegratorSummary {
     pub force_evaluations: usize,
     /// Matrices factorised.
     pub factorizations: usize,
-    /// Of those, with the tangent of the present state.
+    /// How many of these were made of the tangent of a deformed state.
     pub tangents: usize,
 }

@@ -121,7 +121,7 @@ impl<'a> Bodies<'a> {
         if self.scene.is_planar() { 2 } else { 3 }
     }
 
-    /// Number of coordinates.
+    /// Number of coordinates of the whole shaft before constraints.
     pub fn len(&self) -> usize {
         self.size
     }

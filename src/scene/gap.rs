@@ -16,7 +16,7 @@
 //!     B:  -n M,a      n S,a      e (S - M)
 //! ```
 //!
-//! At a kink of the boundary the parameter of the master is not free. Source: docs/theory.md section 13.
+//! At a kink of the boundary the parameter of the master is not free. Source: docs/theory/contact.md#gap.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 

@@ -1,7 +1,7 @@
 //! Contact between beams: boundaries, detection, gaps, and their enforcement by penalty or complementarity.
 //!
 //! What touches is a probe (a Gauss point of a line, a corner, a node) against the boundary of a body; a probe knows positions,
-//! derivatives and the coordinates behind them and nothing of elements. Source: docs/theory.md section 13.
+//! derivatives and the coordinates behind them and nothing of elements. Source: docs/theory/contact.md.
 
 pub mod bodies;
 pub mod gap;

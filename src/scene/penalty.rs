@@ -1,5 +1,5 @@
 //! Penalty contact: every penetrating probe is a spring, `V = w g^2/2`, with analytic force and tangent; and its discrete
-//! gradient between two states. Source: docs/theory.md section 13.
+//! gradient between two states. Source: docs/theory/contact.md#penalty.
 
 use crate::linalg::lu::Entries;
 use crate::scene::gap::Hit;

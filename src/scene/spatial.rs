@@ -2,7 +2,7 @@
 //!
 //! A surface point is `x(xi, theta) = sum_i L_i(xi) sum_k f_k(R cos theta, R sin theta) q_ik`. A Gauss point fixes xi of the
 //! slave; its theta, and xi and theta of the master, make the gap stationary. At a point contact xi of the slave does so too.
-//! Sections deform with their elements, so that a softer section comes nearer. Source: docs/theory.md section 13.
+//! Sections deform with their elements, so that a softer section comes nearer. Source: docs/theory/contact.md#space.
 
 use crate::element::basis::{derivative, evaluate, lagrange};
 use crate::element::quadrature::gauss;

@@ -20,7 +20,8 @@ pub fn vector_name((a, b): (usize, usize)) -> String {
 /// The functions of the section that the vectors of a node multiply: data, not code.
 ///
 /// Whatever the basis, the first three are 1, y/R and z/R (R the reference length of the shaft): rigid motions, hubs
-/// and the undeformed state look alike in all of them. Source: docs/theory.md sections 1 and 10.
+/// and the undeformed state look alike in all of them. Source: docs/theory/elements.md#kinematics and
+/// docs/theory/rings.md#functions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SectionBasis {
     /// Monomials `y^a z^b / (a! b!)` up to a total degree n: 34Xn.

@@ -2,7 +2,7 @@
 //!
 //! A section is an ellipse or a rectangle, centred on the shaft axis, minus a smaller one of the
 //! same shape; circle and tube are ellipses with equal semi-axes. Moments with an odd exponent
-//! vanish. Source: docs/theory.md section 2.
+//! vanish. Source: docs/theory/elements.md#matrices.
 
 pub mod basis;
 

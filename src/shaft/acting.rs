@@ -7,7 +7,7 @@
 //!     force = sum of f_0 over the fields of the node,    moment about the origin = sum_k q_k x f_k
 //! ```
 //!
-//! Source: docs/theory.md section 7.
+//! Source: docs/theory/supports.md#acts-on.
 
 use crate::shaft::loads::Turned;
 use nalgebra::Vector3;
@@ -16,9 +16,9 @@ use std::ops::{Add, AddAssign, Sub};
 /// A force and its moment about a point.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Resultant {
-    /// Force, N.
+    /// Resultant of the forces (N), in the axes of the frame in use.
     pub force: Vector3<f64>,
-    /// Moment, N m; about the origin unless moved.
+    /// Moment of the forces (N m) about the origin, or about the point to which [`Self::about`] moved it.
     pub moment: Vector3<f64>,
 }
 
@@ -31,12 +31,12 @@ impl Resultant {
         self.moment += vector.cross(&force);
     }
 
-    /// The same with the moment about a point.
+    /// The same force with its moment (N m) about a point (m) instead of the origin.
     pub fn about(self, point: Vector3<f64>) -> Self {
         Self { moment: self.moment - point.cross(&self.force), ..self }
     }
 
-    /// In fixed directions, from turned axes.
+    /// Force and moment in directions fixed in space, from components along turned axes.
     pub fn in_space(self, axes: Turned) -> Self {
         // zero is added so that no zero has a sign
         let turn = |v: Vector3<f64>| Vector3::from(axes.in_space(v.into())) + Vector3::zeros();
@@ -66,7 +66,7 @@ impl Sub for Resultant {
 
 /// All coordinates of a shaft and the forces on them, in the axes of one frame.
 pub struct Acting {
-    /// Position q, m.
+    /// Position of every coordinate before constraints: vectors scaled by the reference length, m.
     pub position: Vec<f64>,
     /// Velocity as seen from space, m/s.
     pub velocity: Vec<f64>,
@@ -76,7 +76,7 @@ pub struct Acting {
     pub outer: Vec<f64>,
     /// What holds the shaft beside these, N: the forces of constraints, and what a solution leaves out of balance.
     pub held: Vec<f64>,
-    /// How the axes are turned.
+    /// Angle by which the axes of all these lists are turned about x from those fixed in space.
     pub axes: Turned,
     /// Share of loads and gravity that acts.
     pub load: f64,

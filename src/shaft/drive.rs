@@ -6,11 +6,11 @@ use std::f64::consts::PI;
 /// Angle, speed and acceleration of the drive.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Turn {
-    /// Theta, rad.
+    /// Angle Theta by which the drive has turned since t = 0, rad.
     pub angle: f64,
     /// Omega = dTheta/dt, rad/s.
     pub speed: f64,
-    /// dOmega/dt, rad/s^2.
+    /// Angular acceleration dOmega/dt, rad/s^2.
     pub acceleration: f64,
 }
 
@@ -24,7 +24,8 @@ pub struct Drive {
     torque: Vec<[f64; 2]>,
     /// Rotation at the ends of the steps of a run under torque, times ascending.
     passed: Vec<(f64, Turn)>,
-    /// Time up to which the ends of phases belong to the next phase.
+    /// Time until which the end of a phase counts as the start of the next one: on a straight ramp the
+    /// acceleration jumps there.
     begun: f64,
 }
 

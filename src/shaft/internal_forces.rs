@@ -169,7 +169,7 @@ impl<'a> Forces<'a> {
         }
     }
 
-    /// `R r_,y` and `R r_,z` at a node.
+    /// The vectors `R r_,y` and `R r_,z` at a node, m: scaled images of the axes of its section.
     fn slopes(&self, q: &[f64], node: usize) -> [Vector3<f64>; 2] {
         [1, 2].map(|vector| {
             let at = self.assembly.numbering.index(node, vector, 0);
@@ -209,7 +209,7 @@ impl<'a> Forces<'a> {
         }
     }
 
-    /// Tangent of every hub.
+    /// Tangent stiffness of every hub at a state q, on coordinates before constraints.
     pub fn hub_tangents(&self, q: &[f64]) -> Vec<Contribution> {
         self.hubs.tangents(q)
     }
@@ -258,7 +258,7 @@ impl ScalarMass {
         Self { starts, rows, values }
     }
 
-    /// `y = M x`.
+    /// Multiplies the mass matrix by a list of all coordinates, `y = M x`.
     pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
         // symmetric: each row is a column
         for (k, y) in y.chunks_exact_mut(3).enumerate() {

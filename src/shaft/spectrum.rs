@@ -36,7 +36,7 @@ pub struct Flexibility {
     factor: Ldlt<f64>,
     /// Rigid motions R, `R^T M R = I`.
     pub rigid: Mat<f64>,
-    /// `M R`.
+    /// Mass times the rigid motions, `M R`: forces that move the shaft without straining it.
     pub mass_rigid: Mat<f64>,
     soft: Option<Soft>,
 }
@@ -47,19 +47,20 @@ struct Soft {
     stiffness: Sparse,
     /// Motions R that only these springs resist, `R^T M R = I`, orthogonal to the rigid ones.
     motions: Mat<f64>,
-    /// `M R`.
+    /// Mass times the motions that only soft springs resist, `M R`.
     mass_motions: Mat<f64>,
     /// `B`, the displacement each spring feels.
     rows: Mat<f64>,
-    /// `k`, N/m.
+    /// Stiffness k of each soft spring, N/m.
     law: Vec<f64>,
-    /// `K_0^+ B`, balanced.
+    /// Displacements under a unit force of each soft spring that the rigid and the loose motions balance,
+    /// `K_0^+ B`.
     answers: Mat<f64>,
-    /// `(1 + k B^T K_0^+ B)^-1 k`.
+    /// Stiffness of the soft springs in series with the shaft, `(1 + k B^T K_0^+ B)^-1 k`.
     law_in_series: Mat<f64>,
-    /// `B^T R`.
+    /// What each soft spring feels of the motions that only they resist, `B^T R`.
     felt: Mat<f64>,
-    /// `A^-1`, `A = R^T B (law in series) B^T R`.
+    /// Inverse of what the springs in series oppose to the loose motions, `A = R^T B (law in series) B^T R`.
     inverse: Mat<f64>,
 }
 
@@ -77,7 +78,7 @@ impl Flexibility {
         Ok(Self { factor: Ldlt::new(&pinned)?, rigid, mass_rigid, soft: None })
     }
 
-    /// The same of a shaft at rest, with soft springs apart.
+    /// As [`Self::new`] for a shaft at rest, with springs that are soft beside the shaft kept out of the factorised matrix.
     ///
     /// # Errors
     /// When the factorisation fails, or nothing but cross-coupling holds a motion.
@@ -346,9 +347,9 @@ pub fn mass_orthonormal(mass: &Sparse, mut x: Mat<f64>) -> Mat<f64> {
 
 /// The lowest natural modes with the matrices they belong to.
 pub struct Spectrum {
-    /// Mass.
+    /// Mass matrix M of shaft and disks in the free coordinates.
     pub mass: Sparse,
-    /// Stiffness.
+    /// Stiffness K at rest in the free coordinates, bearings included.
     pub stiffness: Sparse,
     /// Generalised inverse of the stiffness, with the rigid motions.
     pub flexibility: Flexibility,
@@ -356,7 +357,7 @@ pub struct Spectrum {
     pub rigid_names: Vec<String>,
     /// `w^2` of the modes with strain, ascending.
     pub values: Vec<f64>,
-    /// Their shapes in columns, `x^T M x = 1`.
+    /// Shapes of the modes in columns, in the order of the values, scaled to `x^T M x = 1`.
     pub vectors: Mat<f64>,
     /// True when a Sturm count confirms that no mode below the last one is missing.
     pub complete: bool,
@@ -451,7 +452,7 @@ fn gap(values: &[f64], kept: usize, rank: usize) -> (f64, usize) {
     if at == 0 { (values[0] / 2.0, 0) } else { ((values[at - 1] * values[at]).sqrt(), at) }
 }
 
-/// Relative difference of two values that is none.
+/// Relative difference below which two values count as equal.
 const EQUAL: f64 = 1e-10;
 
 /// Shapes of equal value are arbitrary mixtures: turns them into the planes of symmetry, motions along y before those along z,

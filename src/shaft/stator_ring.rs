@@ -8,7 +8,7 @@
 //! ```
 //!
 //! and the torque `- mu N R tanh(w / w_0)` about x. All of it looks the same in any frame turned about x, as long
-//! as velocities are those seen from space. Source: docs/theory.md section 12.
+//! as velocities are those seen from space. Source: docs/theory/rub.md#force-law.
 
 use crate::model::Stator;
 use crate::results::RubContact;
@@ -20,11 +20,11 @@ use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 const SLIP: f64 = 0.01;
 /// Share of a step's tolerance by which a ring may be passed before it acts. Newton's iteration leaves less.
 const MARGIN: f64 = 0.1;
-/// The same as a share of the clearance.
+/// Depth by which a ring may be passed before it acts, as a share of its clearance; the lesser of both counts.
 const SHALLOW: f64 = 1e-4;
-/// Depth over the radius of a ring that rounding makes of a path along it.
+/// Depth over the radius of a ring that rounding alone gives to a path along the ring; it counts as no passage.
 const ROUNDING: f64 = 1e-12;
-/// Halvings of a step that place a touch in it.
+/// Halvings of a step by which a touch is located: 2^-44 of the step.
 const HALVINGS: usize = 44;
 
 /// y and z of the axis vector and of R r_,y and R r_,z, or anything conjugate to them.
@@ -131,11 +131,12 @@ impl Law {
 pub struct Ring {
     /// Node of the shaft.
     pub node: usize,
-    /// Its law.
+    /// Radial play, stiffness and friction, from which gap and forces follow.
     pub law: Law,
-    /// u, R r_,y and R r_,z as sums over vectors of the node, `(first coordinate, weight)`.
+    /// The displacement u and the vectors R r_,y and R r_,z as sums over vectors of the node: first coordinate
+    /// and weight of each.
     pub rows: [Vec<(usize, f64)>; 3],
-    /// It takes part in the equations of the present step.
+    /// True while the ring has its force in the equations of the present step.
     pub acts: bool,
     /// y and z of u as sums over the unknowns, in the node's own directions.
     across: [Vec<(usize, f64)>; 2],
@@ -199,11 +200,11 @@ impl Ring {
 /// A ring in contact.
 #[derive(Debug, Clone, Copy)]
 pub struct Touch {
-    /// Which ring.
+    /// Index of the ring among those of the shaft.
     pub ring: usize,
-    /// Place of the shaft in it.
+    /// Place of the shaft in the ring: y and z of u, R r_,y and R r_,z, m.
     pub place: Vector,
-    /// Its rate as seen from space.
+    /// Rate of that place as seen from space, m/s.
     pub rate: Vector,
 }
 
@@ -232,7 +233,7 @@ impl Path {
         self.split(s)[1].0[0].norm()
     }
 
-    /// Radius that the path does not pass, m.
+    /// A radius (m) that the path nowhere exceeds: the largest distance of its Bernstein points from the axis.
     pub fn bound(&self) -> f64 {
         self.0.iter().fold(0.0, |m: f64, b| m.max(b.norm()))
     }
@@ -287,7 +288,7 @@ impl Path {
 /// The rings around a shaft.
 #[derive(Debug, Clone, Default)]
 pub struct Rub {
-    /// The rings.
+    /// Every ring around the shaft, in the order of the case.
     pub rings: Vec<Ring>,
     /// Looks at gaps: searches of paths that may reach a ring, and evaluations with a ring that acts.
     pub gap_checks: usize,

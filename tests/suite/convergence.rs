@@ -44,10 +44,13 @@ fn row(name: &str, list: &[f64], last: String) -> String {
 #[ignore = "long"]
 fn members_lock_where_the_document_says_and_converge_elsewhere() {
     let mut text = "# Convergence and locking\n
-Made by `ROTOR_WRITE_DOCS=1 cargo test --release --test suite convergence:: -- --include-ignored`, compared with a fresh one by the long tests.\n
-**What locks.** 34X1 locks in bending wherever Poisson's ratio is not 0, on every mesh, as its section can't contract; it does not in torsion. No other
-member locks in bending of solids. Polynomials on thin walls: ovalling stays too high at every thinness for every order (no mesh helps);
-rings with degree 1 are 10 % too high, with degree 2 or more they do not lock. `check` warns of each.\n
+This page says which members lock and how fast meshes converge. It is made by
+`ROTOR_WRITE_DOCS=1 cargo test --release --test suite convergence:: -- --include-ignored`. The long tests compare it with a fresh one.\n
+**What locks.** 34X1 locks in bending wherever Poisson's ratio is not 0. It does so on every mesh, because its section can't contract.
+It does not lock in torsion. No other member locks in bending of solids.\n
+On thin walls polynomials of every order make ovalling too high, at every thinness and on every mesh. Rings with degree 1 are 10 % too
+high. Rings with degree 2 or more do not lock. `rotor check` warns of each.\n
+All numbers of the tables are relative errors.\n
 ![Errors of bending and torsion over the number of elements](figures/convergence-mesh.svg)\n
 ![Errors of growth and ovalling of walls](figures/convergence-walls.svg)\n
 ## Bending, slender round shaft on pins (L/r 100, nu .3), error by number of elements\n

@@ -14,6 +14,7 @@ mod convergence_figure;
 mod decay;
 mod detect;
 mod disks;
+mod docs;
 mod drives;
 mod elastica;
 mod element;

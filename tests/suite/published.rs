@@ -98,7 +98,7 @@ fn brief_case_with_thickness_inertia() {
     assert!((ours[6] / 6468.71 - 1.0).abs() < 1e-5, "{}", ours[6]);
 }
 
-/// Section 7 of docs/theory.md on one rotor, rpm of the first pair: plane sections (the engineer's clamp),
+/// docs/theory/supports.md#hubs on one rotor, rpm of the first pair: plane sections (the engineer's clamp),
 /// rigid sections, and the source's bearing-like ends (2.4 % too soft). Values of the independent model.
 #[test]
 fn what_the_ends_hold_decides_two_per_cent() {

@@ -2,7 +2,7 @@
 //!
 //! Branches start at standstill, wherever the sweep begins, so that names depend on neither of its ends. A motion that does
 //! not oscillate there (overdamped, or rigid) has a branch too, which waits until an oscillation appears that no branch
-//! accounts for. Source: docs/theory.md section 6.
+//! accounts for. Source: docs/theory/linear-rotordynamics.md#overdamped.
 
 use crate::analysis::campbell::branch_tracking::{Continuation, follow};
 use crate::analysis::campbell::reduced_basis::{Solution, Whirling};

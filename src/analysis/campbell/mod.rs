@@ -2,7 +2,7 @@
 //!
 //! The frames and forms are those of [`crate::analysis::campbell::operators`]. The sweep runs on a reduced basis whose error is
 //! measured against the unreduced problem at the highest speed; critical speeds are solved directly and
-//! cross-checked with the sweep. Source: docs/theory.md section 6.
+//! cross-checked with the sweep. Source: docs/theory/linear-rotordynamics.md.
 
 pub mod branch_tracking;
 mod branches;

@@ -1,4 +1,4 @@
-//! Sparse operators of a spinning shaft in either frame and form (docs/theory.md section 6):
+//! Sparse operators of a spinning shaft in either frame and form (docs/theory/linear-rotordynamics.md#equations):
 //!
 //! ```text
 //!     M u'' + (C + Omega G) u' + (K(Omega) + X + Omega H) u = 0

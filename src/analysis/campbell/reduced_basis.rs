@@ -2,7 +2,7 @@
 //!
 //! The basis holds the rigid motions, the lowest modes phi at rest and static corrections: `K^+ G phi`, those of
 //! damping and bearings and, in the consistent form, of what spin adds to the stiffness. Without them torsion and
-//! axial modes are off by up to 7e-4. Source: docs/theory.md section 6.
+//! axial modes are off by up to 7e-4. Source: docs/theory/linear-rotordynamics.md#reduction.
 
 use crate::analysis::campbell::first_order::AtSpeed;
 use crate::analysis::campbell::operators::Operators;

@@ -3,7 +3,7 @@
 //! K_T is smooth in Omega^2, so the equilibrium is solved at a few speeds only and K_T interpolated between
 //! them as a polynomial in Omega^2 (Chebyshev-Lobatto nodes, rest among them); the error is measured at a speed
 //! that is none of them. An offset mass is an unbalance: it bends the shaft, and without bound at a critical
-//! speed, so it takes no part in this equilibrium. Source: docs/theory.md section 6.
+//! speed, so it takes no part in this equilibrium. Source: docs/theory/linear-rotordynamics.md#stiffness-at-speed.
 
 use crate::analysis::equilibrium::{Balance, NewtonSettings};
 use crate::error::{Error, Result};

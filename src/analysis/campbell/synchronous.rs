@@ -6,7 +6,7 @@
 //! with S the secant to the highest speed, then each speed for itself with its own K. In the rotating frame a
 //! whirl in step with the shaft stands still: `(K_T + Omega^2 M J^2) u = 0`, real. Solved with the flexibility at
 //! rest; a count of negative pivots of the matrix at a speed says how many lie below it.
-//! Source: docs/theory.md section 6.
+//! Source: docs/theory/linear-rotordynamics.md#critical-speeds.
 
 use crate::analysis::campbell::operators::Operators;
 use crate::error::{Error, Result};

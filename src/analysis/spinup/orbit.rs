@@ -8,7 +8,7 @@
 //!
 //! and the forces out of balance at equally spaced angles have no part along any of these functions. Newton's matrix has the
 //! tangent of the mean state, and of the bearings all; harmonics are doubled until the motion settles, which measures what
-//! is left out. Source: docs/theory.md section 8.
+//! is left out. Source: docs/theory/motion.md#steady-states.
 
 use crate::error::{Error, Result};
 use crate::linalg::lu::SparseLu;

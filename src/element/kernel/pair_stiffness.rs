@@ -1,8 +1,42 @@
 //! From moments of the moduli at the stations to the tangent of an element.
 //!
-//! Moments `A_ab,ij[g] = int g A_ab,ij dA` come group by group, stations side by side in the registers. They are
-//! integrated along the axis for every pair of nodes; from then on pairs of nodes lie side by side. The stiffness of a
-//! pair of vectors is a sum of such integrals times factors, its terms. Source: derived in docs/theory.md section 3.
+//! Moments `A_ab,ij[g] = int g A_ab,ij dA` come list by list, with the stations side by side in the registers. They are
+//! integrated along the axis for every pair of nodes; from then on the pairs of nodes lie side by side. The stiffness of
+//! a pair of vectors is a sum of such integrals times factors, its terms. Source: derived in
+//! docs/theory/elements.md#nonlinear-forces.
+//!
+//! # The layout in a picture
+//!
+//! Example: 34X1, which has the vectors r, y, z at each of four nodes. Its list 0 has the moments of the monomials 1, yy
+//! and zz. In a list the component ij runs fastest, then the monomial g, then the pair of directions, then the group of
+//! pairs that share a product of axial functions:
+//!
+//! ```text
+//! place   0           18        24        30        39   42        51        60        69        78
+//!         | xx        | 11      | 22      | 12      | -  | x1      | x2      | x1      | x2      |
+//!         | 3 g x 6   | 1 g x 6 | 1 g x 6 | 1 g x 9 | 3  | 1 g x 9 | 1 g x 9 | 1 g x 9 | 1 g x 9 |
+//!         | L_a' L_b' | L_a L_b                     |    | L_a' L_b          | L_a L_b'          |
+//!           ends[0] = 18                 ends[1] = 42       ends[2] = 60      at the nodes only
+//!
+//! xx      0                 6                   12                  18
+//!         | g = 1           | g = yy            | g = zz            |        00 11 22 01 02 12 each
+//! ```
+//!
+//! Every group is filled up to a multiple of `BLOCK`; here three places follow the 39th. The last two blocks are those
+//! of x1 and x2 with the nodes a and b exchanged. So this list has 60 places at the stations and 78 at the nodes; the next
+//! list starts at 78. What stands where:
+//!
+//! | array | index, slowest to fastest | for list 0 of 34X1 |
+//! |---|---|---|
+//! | at the stations | `[batch of stations][place][lane]` | station 5, place 24, four lanes: batch 1, lane 1, number `(1 * 60 + 24) * 4 + 1` |
+//! | at the nodes | `[place][4 a + b]` | place 24, nodes a = 2, b = 3: number `24 * 16 + 11` |
+//! | axial functions | `[station][4 a + b]`, one table a group | station 5: number `5 * 16 + 11` |
+//! | stiffness | `[pair of vectors][3 i + j][4 a + b]` | pair (z, y), the fifth of (r,r) (y,r) (z,r) (y,y) (z,y) (z,z): from `4 * 9 * 16` on |
+//! | tangent | `[3 (b n + l) + j][3 (a n + k) + i]`, by columns, n = 3 | node a = 2, vector k = z, i = 1: row `3 (2 * 3 + 2) + 1 = 25` of 36 |
+//!
+//! A term of the pair (k, l) is the place of its first component and a factor. Example: y enters F_y with the coefficient of
+//! 1, r enters F_x with the coefficient of 1. So the pair (y, r) has a term of g = 1 in the directions 1x: the exchanged
+//! copy of x1, place 60, whose nine components it takes transposed.
 
 use crate::element::kernel::simd::Scratch;
 use crate::element::kernel::stations::{NODES, Stations};

@@ -9,7 +9,7 @@
 //!     A_ab,ij[g]  = int g (S_ab delta_ij + F_ic C_acbd F_jd) dA
 //! ```
 //!
-//! give force and tangent. A section rule with points only replaces H. Source: derived in docs/theory.md section 3.
+//! give force and tangent. A section rule with points only replaces H. Source: derived in docs/theory/elements.md#nonlinear-forces.
 
 mod force;
 mod section_polynomials;

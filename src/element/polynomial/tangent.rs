@@ -3,6 +3,39 @@
 //!
 //! It goes class by class of monomials, so that the moments at the stations stay in the nearest cache. Stations lie
 //! side by side in the vector registers until the axis is integrated, pairs of nodes from then on.
+//!
+//! # The layout in a picture
+//!
+//! Example: 34X2, which has six vectors a node. F_x has six coefficients, F_y and F_z have three each. They stand one after
+//! the other for each batch of stations, three components i to each, a register of stations to each component:
+//!
+//! ```text
+//! f     0   1   2   3   4   5 | 6   7   8 | 9   10  11 | 12 ...
+//!       F_x                   | F_y       | F_z        | F_x of the next batch of stations
+//!       1   y   z   yz  yy  zz  1   y   z   1   y   z
+//! ```
+//!
+//! A class holds the monomials up to degree 4 of equal parities, ascending in degree. Class 0 of 34X2 is
+//!
+//! ```text
+//! g         0     1     2     3     4     5
+//!           1     yy    zz    yyzz  yyyy  zzzz         in the order of `exponents`
+//!           |-----------|                              counts[0] = 3: up to degree 2, for 11, 22 and 12
+//!           |-----------|                              counts[1] = 3: up to degree 3, for x1 and x2
+//!           |----------------------------------|       counts[2] = 6: up to degree 4, for xx
+//! ```
+//!
+//! `Products` lists which coefficients multiply to a monomial. For g = 1, which is yy:
+//!
+//! ```text
+//! squares[0] of F_x    (0, 4)             once for both orders, 1 times yy;  roots[1] = 1, y times y
+//! products[0] x1       (1, 1), (4, 0)     y of F_x times y of F_y, yy of F_x times 1 of F_y
+//! starts               where the pairs of each g begin: those of g are pairs[starts[g] .. starts[g + 1]]
+//! ```
+//!
+//! The integrands of a class are `[g][component]`, six components (00 11 22 01 02 12) of equal directions and nine by rows of
+//! different ones. Integrated over the section they become list c of `Expansion`, whose picture goes on from there: the
+//! moment of g = 1 in xx starts at place `first[0] + 6`, in x1 at `first[3] + 9`.
 
 use crate::element::kernel::pair_stiffness::{Expansion, PAIRS, TRANSPOSED, Term, place};
 use crate::element::kernel::simd::{Scratch, take};

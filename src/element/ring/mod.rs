@@ -11,7 +11,7 @@
 //! in any case, so the isotropic law is the same at every angle. Angles are points, equal ones are exact, theta and
 //! -theta are evaluated together; across the wall strains are polynomials, and the moments
 //! `H_n[g] = int s^g rho^(1-n) drho` give those of stress, `T_ab[g] = int s^g rho^-n_ab S_ab rho drho`, and of the
-//! moduli. Source: derived in docs/theory.md section 10.
+//! moduli. Source: derived in docs/theory/rings.md#forces.
 
 mod force;
 mod tangent;

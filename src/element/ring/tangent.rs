@@ -3,6 +3,39 @@
 //!
 //! Mirrored, a modulus has at -theta the sign of its directions. Its cosines meet sums of both sides, its sines
 //! differences; what a pair of vectors needs are the waves of the difference and of the sum of their own.
+//!
+//! # The layout in a picture
+//!
+//! Example: 34R12 on a circle (degree 1, harmonics 2). Along x, rho and theta the columns of F have 2, 1 and 2 powers of s and
+//! two harmonics each. So a product of x and x has 2 + 2 - 1 = 3 powers and four harmonics. At an angle the moduli are
+//!
+//! ```text
+//! entry   0        18       24       42       60       87       105
+//!         | xx     | 11     | 22     | x1     | x2     | 12     |       = entries[0 ..= 6]
+//!         | 3 x 6  | 1 x 6  | 3 x 6  | 2 x 9  | 3 x 9  | 2 x 9  |         powers of s x components
+//!
+//! xx      0                   6                   12                  18
+//!         | s^0               | s^1               | s^2               |   00 11 22 01 02 12 each
+//!
+//! array   [angle][entry][side], five angles 0 .. pi: number ((j * 105) + entry) * 2 + side, each a register of stations
+//!         side 0 meets cosines, side 1 sines
+//! ```
+//!
+//! The angles are then turned into waves. In the list of `Expansion` the component runs fastest, then the power of s, then the
+//! wave, cosines 0 .. 4 before sines 1 .. 4:
+//!
+//! ```text
+//! place   0      162    216    378    540    702    945  948
+//!         | xx   | 11   | 22   | 12   | x1   | x2   | -  |          = first of the pairs; three places fill a block
+//!         | 9x18 | 9x6  | 9x18 | 9x18 | 9x18 | 9x27 | 3  |            waves x entries
+//!
+//! xx      0       18      36      54      72      90      108     126     144     162
+//!         | cos 0 | cos 1 | cos 2 | cos 3 | cos 4 | sin 1 | sin 2 | sin 3 | sin 4 |
+//! ```
+//!
+//! So s^1 of sin 2 in xx is moment `at = 6 * 3 + 1 = 19` of its pair and starts at place `6 * 19 = 114`. Example of a term: two
+//! vectors that enter F_x with s^0 cos theta and s^1 sin theta need `sin 2 theta / 2` (the sine of the difference vanishes), which
+//! is this moment with the factor 1/2.
 
 use crate::element::kernel::pair_stiffness::{Expansion, PAIRS, TRANSPOSED, Term, components, place};
 use crate::element::kernel::simd::{Scratch, take};

@@ -11,7 +11,7 @@ pub(super) struct Secants {
     pairs: Vec<(Vec<f64>, Vec<f64>)>,
     /// Place of the next pair.
     next: usize,
-    /// Products of the `delta d`.
+    /// Scalar products of the `delta d` of the kept pairs.
     gram: [[f64; PAIRS]; PAIRS],
     step: Vec<f64>,
     correction: Vec<f64>,

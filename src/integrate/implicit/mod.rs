@@ -45,12 +45,13 @@ const EMBEDDED: [f64; STAGES] = [
     61727.0 / 225920.0,
 ];
 
-/// Growth of the longest step per step after a failure.
+/// Factor by which the bound on the step grows with every step after a failure set it.
 const RELAX: f64 = 1.01;
-/// Which implicit method.
+/// Which of the implicit methods integrates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scheme {
-    /// ESDIRK4(3).
+    /// ESDIRK4(3) of Kennedy and Carpenter: six stages, order four, an embedded method of order three for the
+    /// error.
     Esdirk,
     /// Generalized-alpha with that spectral radius at infinite frequency.
     GeneralizedAlpha {
@@ -158,7 +159,7 @@ struct Run {
     last_powers: (f64, Flows),
     /// Flows counted beyond the last evaluation, by extrapolation (generalized-alpha).
     beyond: Flows,
-    /// Steps of fixed size: accepted whatever the error.
+    /// True for steps of fixed size, which are accepted whatever their error.
     fixed: bool,
     newton: Newton,
     /// Velocities and accelerations of the stages.

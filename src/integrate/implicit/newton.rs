@@ -7,11 +7,12 @@ use crate::shaft::motion::{Dynamics, NewtonMatrix};
 /// Share of the step's tolerance left to the Newton iteration.
 const NEWTON: f64 = 0.03;
 
-/// Convergence rate that is trusted without a second iteration.
+/// Least ratio of two corrections that is remembered: no iteration is trusted to converge faster.
 const FASTEST: f64 = 0.02;
 /// Most iterations of a stage.
 const ITERATIONS: usize = 15;
-/// Corrections over the shaft's length that are rounding.
+/// Size of a correction over the length of the shaft below which it is rounding and the iteration has
+/// converged.
 const ROUNDING: f64 = 1e-12;
 /// Convergence rate from which a fresh matrix is worth its price.
 const SLOW: f64 = 0.25;
@@ -21,9 +22,9 @@ const LABORIOUS: usize = 4;
 const PATIENCE: usize = 4;
 /// Steps that a tangent serves before the undeformed shaft's matrix is tried again.
 const SERVED: usize = 20;
-/// Relative change of the matrix' coefficients it may serve for.
+/// Largest relative change of its coefficients, by step or speed, with which a factorised matrix may still serve.
 const STALE: f64 = 0.1;
-/// Relative change of the coefficients that makes no difference.
+/// Relative change of the coefficients below which a new matrix would be as good as the same.
 const RIGHT: f64 = 0.01;
 
 /// The equations of a stage: `z + c_k x`, `v + c_v x`, `a + c_a x` at time t balance the forces.

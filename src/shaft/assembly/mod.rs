@@ -26,17 +26,17 @@ type ElementMatrix<'a> = &'a dyn Fn(&Material, &ElementMatrices) -> Mat<f64>;
 
 /// A model with its numbering, constraints and the matrices of its distinct elements.
 pub struct Assembly<'a> {
-    /// The model.
+    /// The model whose matrices are assembled.
     pub model: &'a Model,
-    /// Coordinates before constraints.
+    /// Where each node, vector and component stands among the coordinates before constraints.
     pub numbering: Numbering,
     /// `T`: every coordinate as a sum over free coordinates.
     expansion: Vec<Vec<(usize, f64)>>,
-    /// Index before constraints of every free coordinate.
+    /// For every free coordinate its index among the coordinates before constraints.
     free: Vec<usize>,
     /// Matrices of the distinct elements.
     distinct: Vec<ElementMatrices>,
-    /// Which of them each element uses.
+    /// For every element the index of its matrices in the list above.
     element_type: Vec<usize>,
     /// Node and coefficients (over its coordinates) of every constraint.
     constraints: Vec<(usize, Vec<f64>)>,
@@ -45,9 +45,10 @@ pub struct Assembly<'a> {
 /// What a system matrix sums: the matrix of every distinct element (none: no element has a share), and
 /// contributions of nodes.
 pub struct Parts {
-    /// By type of element.
+    /// One matrix for each distinct element, in the coordinates of the element; empty where no element has a
+    /// share.
     pub elements: Vec<Mat<f64>>,
-    /// On coordinates before constraints.
+    /// What nodes (disks, hubs, bearings) add, on coordinates before constraints.
     pub nodal: Vec<Contribution>,
 }
 
@@ -55,7 +56,7 @@ pub struct Parts {
 pub struct Spring {
     /// The displacement it feels, as a row over coordinates before constraints.
     pub row: Vec<(usize, f64)>,
-    /// N/m, above zero.
+    /// Stiffness along that direction (N/m), always above zero.
     pub stiffness: f64,
 }
 
@@ -212,7 +213,7 @@ impl<'a> Assembly<'a> {
         self.add_up(&self.mass_parts())
     }
 
-    /// Parts of [`Self::mass`].
+    /// The mass matrix before it is summed: one matrix for each distinct element, and those of the disks.
     pub fn mass_parts(&self) -> Parts {
         self.parts(Some(&|_, m| m.mass.clone()), attachments::disk_mass(self.model, &self.numbering))
     }
@@ -287,7 +288,7 @@ impl<'a> Assembly<'a> {
             .map(|nodal| Parts { elements: Vec::new(), nodal })
     }
 
-    /// `alpha M` of the shaft.
+    /// External damping `alpha M` of the shaft (N s/m); disks have none.
     pub fn external_damping(&self) -> Sparse {
         self.add_up(&self.external_parts())
     }
@@ -308,7 +309,7 @@ impl<'a> Assembly<'a> {
         self.build(None, nodal)
     }
 
-    /// Gyroscopic matrix per unit spin speed.
+    /// Gyroscopic matrix G for a spin of 1 rad/s, seen from space: it adds `Omega G u'` to the inertia forces.
     pub fn gyroscopic(&self, whose: Gyroscopic) -> Sparse {
         let disks = match whose {
             Gyroscopic::None => Vec::new(),
@@ -328,7 +329,7 @@ impl<'a> Assembly<'a> {
         self.add_up(&self.mass_parts().times_cross().times_cross())
     }
 
-    /// Spin-softening matrix per unit spin speed squared.
+    /// Spin-softening matrix N for a spin of 1 rad/s: the stiffness changes by `-Omega^2 N`.
     pub fn spin_softening(&self) -> Sparse {
         let disks = attachments::disk_softening(self.model, &self.numbering);
         self.build(Some(&|_, m| m.spin_softening.clone()), disks)
@@ -340,7 +341,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// What spin adds to the material damping forces, per unit spin speed, on displacements:
-    /// `beta K (D_theta - J) + alpha G / 2` (stationary frame; docs/theory.md section 6).
+    /// `beta K (D_theta - J) + alpha G / 2` (stationary frame; docs/theory/linear-rotordynamics.md#equations).
     pub fn circulatory(&self) -> Sparse {
         let material = |material: &Material, m: &ElementMatrices| {
             let convected = &m.stiffness * convection(m.stiffness.nrows(), self.basis_of(m));
@@ -568,7 +569,7 @@ fn times_cross(a: &Mat<f64>) -> Mat<f64> {
     })
 }
 
-/// `beta K + alpha M` of an element.
+/// Damping matrix of an element by its material, `beta K + alpha M`, N s/m.
 fn material_damping(material: &Material, m: &ElementMatrices) -> Mat<f64> {
     &m.stiffness * faer::Scale(material.stiffness_damping) + &m.mass * faer::Scale(material.mass_damping)
 }

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! the first part for rigid hubs, the second for normals. It does not change when the triad turns as a whole, and the
-//! mass of the normal is constant, so that the equations keep their form in every frame. Source: docs/theory.md section 6.
+//! mass of the normal is constant, so that the equations keep their form in every frame. Source: docs/theory/supports.md#disks.
 
 use crate::model::{ActsOn, Hub, Model, SectionHold, SupportKind};
 use crate::shaft::attachments::{Contribution, Numbering, affine_rows, elements_at};
@@ -127,7 +127,7 @@ impl Triad {
             .map(|k| self.rows[k].iter().map(|&(at, w)| Vector3::new(q[at], q[at + 1], q[at + 2]) * w).sum())
     }
 
-    /// Energy, and `S_ab = k_ab E_ab`.
+    /// Energy of a hub (J) and its stresses `S_ab = k_ab E_ab` (N m).
     fn stresses(&self, vectors: &[Vector3<f64>; 3]) -> (f64, Matrix3<f64>) {
         let strain =
             Matrix3::from_fn(|i, j| (vectors[i].dot(&vectors[j]) - f64::from(u8::from(i == j))) / 2.0);

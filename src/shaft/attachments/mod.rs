@@ -1,7 +1,7 @@
 //! Supports, bearings and disks: linear constraints and constant matrices at the nodes.
 //!
 //! A node of order n carries (n+1)(n+2)/2 vectors, so "clamped" or "on the section" needs a meaning;
-//! docs/theory.md section 7 states it. Coordinates are scaled: `q = R^(a+b) r_,(y^a z^b)`.
+//! docs/theory/supports.md#kinds states it. Coordinates are scaled: `q = R^(a+b) r_,(y^a z^b)`.
 
 mod hub;
 
@@ -17,7 +17,7 @@ pub use hub::Hubs;
 pub struct Contribution {
     /// Coordinates, one for each row and column.
     pub coordinates: Vec<usize>,
-    /// The matrix.
+    /// The matrix on these coordinates, square, in their order.
     pub matrix: Mat<f64>,
 }
 
@@ -87,7 +87,7 @@ impl Numbering {
         self.offsets[node] + 3 * vector + component
     }
 
-    /// Number of coordinates.
+    /// Number of coordinates of the whole shaft before constraints.
     pub fn len(&self) -> usize {
         self.offsets[self.offsets.len() - 1]
     }

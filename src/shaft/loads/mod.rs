@@ -2,7 +2,7 @@
 //!
 //! A force acts on the mean displacement of a section (or of a boundary of it), a moment on its mean rotation, a pressure on
 //! the surface as it is. Axes are fixed in space unless a load follows. "Dead" moments and pressures are the tractions of
-//! the undeformed shaft, whatever the motion. Source: docs/theory.md section 7.
+//! the undeformed shaft, whatever the motion. Source: docs/theory/loads.md#loads.
 
 mod section;
 mod surface;
@@ -43,31 +43,31 @@ impl Turned {
 
 /// A load: forces on all coordinates (N) that are fixed in space, or a law.
 enum Law {
-    /// Fixed in space.
+    /// Forces on all coordinates (N) that keep their size and their direction in space.
     Fixed(Vec<f64>),
-    /// Of the place of one section.
+    /// A law whose forces depend on the displacement and rotation of one section.
     Section(SectionLoad),
-    /// Of the places of surface points, by element.
+    /// Laws whose forces depend on the places of points of the surface, one for each loaded element.
     Surface(Vec<ElementSurface>),
 }
 
-/// Which loads act.
+/// Which of the loads of a case act in an evaluation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Which {
-    /// All, and gravity.
+    /// All loads of the case, and gravity.
     All,
     /// Those that do not change in the frame that turns with the shaft: what follows, pressure, and whatever acts along or
     /// about x.
     ConstantInTurningFrame,
-    /// None.
+    /// No load, and no gravity.
     None,
 }
 
 /// The loads of a model.
 pub struct Loads {
-    /// Those fixed in space and gravity, summed, N.
+    /// Sum of gravity and of all loads that are fixed in space, on all coordinates, N.
     fixed: Vec<f64>,
-    /// Path in the case and law of every load.
+    /// Every load: its path in the case (`loads.0`) and its law.
     list: Vec<(String, Law)>,
 }
 

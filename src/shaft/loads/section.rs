@@ -8,7 +8,7 @@
 //!     dtheta = n x dn + n (I_y e_z . dd_y - I_z e_y . dd_z) / (I_y e_y . d_y + I_z e_z . d_z),   dn . d_y = - n . dd_y (z alike)
 //! ```
 //!
-//! and a moment m does the work `m . dtheta`. Source: docs/theory.md section 7.
+//! and a moment m does the work `m . dtheta`. Source: docs/theory/loads.md#loads.
 
 use crate::model::{Load, LoadKind, Model, Reading};
 use crate::shaft::attachments::{Contribution, Numbering, Region, affine_rows, displacement_weights};
@@ -28,7 +28,7 @@ pub struct SectionLoad {
     moment: [f64; 3],
     /// The components are those along the axes of the section.
     follows: bool,
-    /// `I_y`, `I_z`, in any measure.
+    /// `I_y = int y^2` and `I_z = int z^2` of what the load acts on; only their ratio counts.
     inertia: [f64; 2],
     /// Mean displacement, d_y and d_z as sums over vectors, `(first coordinate, weight)`.
     rows: [Vec<(usize, f64)>; 3],
@@ -90,7 +90,7 @@ impl SectionLoad {
         }
     }
 
-    /// `d force / d q`.
+    /// Derivative of the forces by the coordinates, `d force / d q`; without symmetry.
     pub fn tangent(&self, q: &[f64], axes: Turned) -> Contribution {
         let (_, by_images): (Forces<f64>, SMatrix<f64, 9, 6>) =
             jacobian(|images| self.forces(images, axes), &self.images(q));
@@ -132,7 +132,7 @@ pub fn frame<D: DualNum<f64> + Copy>(y: [D; 3], z: [D; 3], inertia: [f64; 2]) ->
     [n, e_y, cross(n, e_y)]
 }
 
-/// `sum_i v_i frame_i`.
+/// The vector with the components v along a frame, in the axes in which the frame is given: `sum_i v_i frame_i`.
 pub fn turn<D: DualNum<f64> + Copy>(frame: &[[D; 3]; 3], v: [f64; 3]) -> [D; 3] {
     [0, 1, 2].map(|c| frame[0][c] * v[0] + frame[1][c] * v[1] + frame[2][c] * v[2])
 }

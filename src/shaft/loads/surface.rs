@@ -2,7 +2,7 @@
 //!
 //! On a line of the lateral surface with the tangent t (counterclockwise about x) the area of a piece `ds dx` is
 //! `a = (r_,y t_y + r_,z t_z) x r_,x`, along the normal to the right of t; a pressure p exerts `-p a`. A traction that follows
-//! is given per undeformed area along the axes of the section, turned with it. Source: docs/theory.md section 7.
+//! is given per undeformed area along the axes of the section, turned with it. Source: docs/theory/loads.md#loads.
 
 use crate::element::basis::{derivative, evaluate, lagrange};
 use crate::element::boundary_curve::{LinePoint, line};
@@ -28,7 +28,7 @@ struct Around {
     tangent: Vec<f64>,
 }
 
-/// What acts.
+/// What acts on the surface: a pressure, or a traction that follows the section.
 enum Acting {
     /// Pressure, Pa, on these points.
     Pressure(f64, Vec<Around>),
@@ -41,7 +41,7 @@ enum Acting {
 pub struct ElementSurface {
     /// First coordinate of the vectors of every node of the element.
     starts: Vec<usize>,
-    /// Vectors of a node.
+    /// Number of vectors of a node.
     vectors: usize,
     stations: Vec<Station>,
     acting: Acting,
@@ -135,7 +135,7 @@ impl ElementSurface {
         }
     }
 
-    /// `d force / d q`.
+    /// Derivative of the forces by the coordinates, `d force / d q`; without symmetry.
     pub fn tangent(&self, q: &[f64]) -> Contribution {
         let n = 3 * self.vectors * self.starts.len();
         let mut matrix = Mat::<f64>::zeros(n, n);
@@ -216,7 +216,7 @@ fn traction_tangent(
     })
 }
 
-/// `sum_k weight_k vector_k`.
+/// Weighted sum of the vectors of a node, `sum_k weight_k vector_k`.
 fn sum(weights: &[f64], vectors: &[[f64; 3]]) -> [f64; 3] {
     let mut total = [0.0; 3];
     for (w, v) in weights.iter().zip(vectors) {
@@ -229,7 +229,7 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// The matrix of `a x`.
+/// The matrix A of the cross product, `A b = a x b`.
 fn skew(a: [f64; 3]) -> [[f64; 3]; 3] {
     [[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]]
 }

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! In the rotating frame every node turns; in the inertial frame only the driven ones do, whose constraints
-//! are then constant in their own turned coordinates. Both are exact. Source: docs/theory.md sections 5, 7 and 12.
+//! are then constant in their own turned coordinates. Both are exact. Source: docs/theory/motion.md, docs/theory/loads.md
+//! and docs/theory/rub.md.
 
 mod newton_matrix;
 
@@ -36,7 +37,7 @@ enum Following {
     Rotation,
     /// Its rotation about the shaft axis: a support holds the rest.
     Spin,
-    /// None: the constraints are those of fixed components.
+    /// The matrix stays as it is: constraints hold single components, which no rotation leaves as they are.
     Nothing,
 }
 
@@ -44,7 +45,7 @@ enum Following {
 struct NodePlace {
     start: usize,
     end: usize,
-    /// Turns relative to the frame of the unknowns.
+    /// True where the coordinates of the node turn with the drive in the frame of the unknowns.
     turned: bool,
     following: Following,
 }
@@ -76,9 +77,9 @@ pub struct Powers {
 /// Energies and momentum of a state.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct State {
-    /// Kinetic energy, J.
+    /// Kinetic energy of shaft and disks as seen from space, J.
     pub kinetic: f64,
-    /// Strain energy, J.
+    /// Strain energy of elements and hubs, J.
     pub strain: f64,
     /// Potential of gravity and of loads fixed in space, zero in the undeformed shaft at angle zero, J.
     pub potential: f64,
@@ -88,22 +89,22 @@ pub struct State {
     pub angular_momentum: f64,
 }
 
-/// Work that was done.
+/// How often forces were evaluated and matrices factorised.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Counts {
     /// Evaluations of the nonlinear forces.
     pub force_evaluations: usize,
-    /// Newton matrices factorised.
+    /// Newton matrices that were built and factorised.
     pub factorizations: usize,
-    /// Of those, with the tangent of the present state.
+    /// How many of these were made of the tangent of a deformed state.
     pub tangents: usize,
 }
 
 /// Equations of motion with their memory.
 pub struct Dynamics<'a> {
-    /// The assembly.
+    /// Numbering, constraints and matrices of the shaft.
     pub assembly: &'a Assembly<'a>,
-    /// The drive.
+    /// Angle and speed over time, or the torque from which they follow.
     pub drive: Drive,
     /// Frame of the unknowns.
     pub frame: Frame,
@@ -133,7 +134,7 @@ struct Linear {
     /// What no state changes: `M`; `alpha M` and the bearings' damping; their stiffness; in the rotating frame also
     /// `M J`, `M J^2` and `alpha M J`.
     constant: Vec<Parts>,
-    /// `K0` of elements and hubs.
+    /// Stiffness `K0` of elements and hubs about the undeformed state.
     elastic: Parts,
     /// Kelvin-Voigt factor of every distinct element, s.
     viscosity: Vec<f64>,
@@ -190,7 +191,7 @@ struct Memory {
     /// Sine and cosine of the drive's angle.
     turned: (f64, f64),
     turn: Turn,
-    /// Torque that the motion takes less that of the drive, N m.
+    /// Torque that the motion needs less the torque that the drive gives, N m; zero in balance.
     out_of_torque: f64,
 }
 
@@ -259,7 +260,7 @@ impl<'a> Dynamics<'a> {
         &self.rub
     }
 
-    /// The same, for an integrator to choose the rings that act.
+    /// The rings around the shaft, to be changed: an integrator chooses which of them act.
     pub fn rub_mut(&mut self) -> &mut Rub {
         &mut self.rub
     }

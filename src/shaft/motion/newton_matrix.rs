@@ -11,7 +11,7 @@ use crate::shaft::stator_ring::{self, Touch};
 use faer::{Mat, Scale};
 use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
 
-/// Turn of a contact in its section that a Newton matrix is not kept for, rad.
+/// Angle (rad) by which a contact may move on its section before the Newton matrix is made anew.
 const TURNED: f64 = 0.1;
 
 /// A factorised Newton matrix `c_a M + c_v C + c_k K`.
@@ -31,7 +31,7 @@ pub struct NewtonMatrix {
 pub(super) struct Border {
     /// `c`, on the free coordinates.
     row: Vec<f64>,
-    /// `A^-1 b`.
+    /// The answer `A^-1 b` of the free coordinates to the angle's unknown.
     answer: Vec<f64>,
     /// Derivative of the torque by the angle's unknown, less `c . A^-1 b`.
     pivot: f64,

@@ -15,11 +15,18 @@ const STEPS: usize = 200_000;
 
 const HEAD: &str = "# Limits
 
-Made by `ROTOR_WRITE_DOCS=1 cargo test --release --test suite limits:: -- --ignored`, compared with a fresh one by the long tests (words exactly, numbers
-within one and a half decades). Error: relative, against the quantity named. Rounding: relative change when all lengths are scaled by 1.7 and
-every quantity moves by at most four units in the last place, which changes nothing but rounding; digits: the decimal digits it took of sixteen. Verdict: **within** its bound;
-**warned**: beyond it, or rounding is more than a tenth of it, and `check` or the run says why; **refused**: exit code and reason. A cell that is none of these fails the test, as does
-one that loses ten digits without a word, or whose copy says other words.
+This page says what happens at extremes: how large the error is, how many digits are lost, and what the program says of it. It is made by
+`ROTOR_WRITE_DOCS=1 cargo test --release --test suite limits:: -- --ignored`. The long tests compare it with a fresh one: words exactly,
+numbers within one and a half decades.
+
+- **error**: relative, against the quantity named.
+- **rounding**: the relative change when all lengths are scaled by 1.7 and every quantity moves by at most four units in the last place. That
+  changes nothing but rounding.
+- **digits lost**: the decimal digits, of sixteen, that rounding took.
+- **verdict**: *within* means within its bound. *warned* means beyond it, or that rounding is more than a tenth of it, and that `check` or
+  the run says why. *refused* stands with the exit code and the reason.
+
+A cell that is none of these fails the test. So does a cell that loses ten digits without a word, or whose shaken copy says other words.
 
 | extreme | case | quantity | error | bound | rounding | digits lost | verdict | the program says |
 |---|---|---|---|---|---|---|---|---|

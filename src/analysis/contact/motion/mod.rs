@@ -45,7 +45,7 @@ pub struct Motion<'a> {
     pub q: Vec<f64>,
     /// Their rates, 1/s.
     pub v: Vec<f64>,
-    /// Time, s.
+    /// Time since the start of the run, s.
     pub t: f64,
     /// How it went.
     pub stats: ContactSolver,

@@ -5,7 +5,7 @@
 //! 2. Oriented boxes with the separating axis test.
 //! 3. Narrow: the chord of one curve, clipped by the other's oriented box; what is left is measured by projection.
 //!
-//! Source: docs/theory.md section 13.
+//! Source: docs/theory/contact.md#gap.
 
 mod gaps;
 
@@ -320,8 +320,8 @@ impl Search {
         self.fastest(bodies, &moved)
     }
 
-    /// How far every surface may move in a step from `q`, against the mean of all bodies, so that nothing passes through anything:
-    /// the rest of the margin, and where something is near, what a penetration is still seen after, m.
+    /// Largest distance (m) any surface may travel in the next step without a missed contact: what is left of half the search
+    /// margin and, if a pair is near, at most 0.22 heights. Rigid motion common to all bodies does not count.
     pub fn reach(&self, q: &[f64]) -> f64 {
         let rest = (self.margin / 2.0 - self.moved(q)).max(0.0);
         if self.any { rest.min(SEEN * self.height) } else { rest }
