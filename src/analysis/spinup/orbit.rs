@@ -35,10 +35,10 @@ const DONE: f64 = 1e-12;
 /// Shortest share of a correction that is gone, and relative size of one that is gone wholly.
 const SHORTEST: f64 = 1e-3;
 const SMALL: f64 = 1e-6;
-/// Relative correction that may no longer shrink: the forces of a small motion are rounding to this; and the same over the
-/// length of the shaft.
+/// Correction over the motion that may no longer shrink: the forces of a small motion are rounding to this.
 const STALLED: f64 = 1e-7;
-const ROUNDING: f64 = 1e-12;
+/// The same over what rounding of the internal forces moves.
+const OF_ROUNDING: f64 = 10.0;
 /// Most Newton iterations.
 const ITERATIONS: usize = 60;
 /// Convergence rate from which a fresh matrix is worth its price.
@@ -108,7 +108,7 @@ fn uneven([[yy, yz], [zy, zz]]: [[f64; 2]; 2]) -> [f64; 2] {
 /// An element without nonlinear form, a Newton iteration that does not converge, or harmonics that do not settle.
 pub fn periodic(assembly: &Assembly<'_>, speed: f64, start: Option<Vec<f64>>) -> Result<Orbit> {
     let mut dynamics = Dynamics::new(assembly, Drive::constant(speed), Frame::Rotating)?;
-    let system = System::new(assembly, speed)?;
+    let mut system = System::new(assembly, speed)?;
     let mut orbit = Orbit {
         harmonics: FIRST,
         truncation: f64::INFINITY,
@@ -118,6 +118,7 @@ pub fn periodic(assembly: &Assembly<'_>, speed: f64, start: Option<Vec<f64>>) ->
     if let Some(mean) = start {
         orbit.coefficients[0] = mean;
     }
+    system.rounding = OF_ROUNDING * system.moved_by_rounding(&orbit)?;
     system.solve(&mut dynamics, &mut orbit)?;
     while orbit.harmonics < MOST {
         let before = orbit.coefficients.clone();
@@ -131,8 +132,7 @@ pub fn periodic(assembly: &Assembly<'_>, speed: f64, start: Option<Vec<f64>>) ->
         });
         // changes that are rounding tell nothing of harmonics
         let change = largest(changes);
-        let rounding = ROUNDING * assembly.model.length;
-        orbit.truncation = if change <= rounding { 0.0 } else { change / size };
+        orbit.truncation = if change <= system.rounding { 0.0 } else { change / size };
         if orbit.truncation <= SETTLED {
             break;
         }
@@ -157,6 +157,8 @@ struct System<'a> {
     speed: f64,
     forces: Forces<'a>,
     loads: Loads,
+    /// What may be rounding in the coefficients of a motion, m.
+    rounding: f64,
     mass: Sparse,
     /// `C + 2 Omega M J`, on velocities.
     on_velocity: Sparse,
@@ -200,6 +202,7 @@ impl<'a> System<'a> {
             speed,
             forces: Forces::new(assembly)?,
             loads: Loads::new(model, &assembly.numbering, &ScalarMass::new(model), Which::All),
+            rounding: 0.0,
             mass: assembly.mass(),
             on_velocity,
             on_place,
@@ -227,8 +230,7 @@ impl<'a> System<'a> {
             if !change.is_finite() || !size.is_finite() {
                 break;
             }
-            let rounding = ROUNDING * self.assembly.model.length;
-            let stalled = change > previous / 2.0 && change <= (STALLED * size).max(rounding);
+            let stalled = change > previous / 2.0 && change <= (STALLED * size).max(self.rounding);
             if change <= DONE * size || stalled {
                 return Ok(());
             }
@@ -245,6 +247,24 @@ impl<'a> System<'a> {
             ),
             "more damping, another speed, or the transient: leave out `spinup.steady`",
         ))
+    }
+
+    /// Largest coefficient (m) of the motion that rounding of the internal forces makes: each is a sum of terms `K_ij q_j`, q the
+    /// places in space, which rounds to `eps sum |K_ij| |q_j|`, one way or the other.
+    fn moved_by_rounding(&self, orbit: &Orbit) -> Result<f64> {
+        let reference = self.forces.reference();
+        let (stiffness, places) = (self.forces.tangent(&reference), self.assembly.restrict(&reference));
+        let mut rounded = vec![0.0; places.len()];
+        for (j, place) in places.iter().enumerate() {
+            for (&i, k) in stiffness.row_idx_of_col_raw(j).iter().zip(stiffness.val_of_col(j)) {
+                rounded[i] += f64::EPSILON * (k * place).abs();
+            }
+        }
+        // signs without a pattern
+        let sign = |i: usize| if (i.wrapping_mul(0x9E37_79B9) >> 7) & 1 == 0 { 1.0 } else { -1.0 };
+        let size = rounded.len() * orbit.coefficients.len();
+        let force: Vec<f64> = (0..size).map(|i| sign(i) * rounded[i % rounded.len()]).collect();
+        Ok(largest(SparseLu::new(&self.matrix(orbit))?.solve(&force)?.into_iter()))
     }
 
     /// Goes along a correction as far as the work of the forces out of balance along it falls; true for the whole way.
