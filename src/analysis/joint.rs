@@ -156,7 +156,7 @@ pub fn missing(pull: Pull, sections: [&Section; 2], sides: [SectionBasis; 2], al
 
 /// One side of a joint.
 #[derive(Debug, Clone, Copy)]
-pub struct Side<'a> {
+pub struct JointSide<'a> {
     /// Its section.
     pub section: &'a Section,
     /// Functions over it.
@@ -168,7 +168,7 @@ pub struct Side<'a> {
 }
 
 /// Flexibility that the joint misses, times the modulus (E, for torsion G): 1/m^3, of an axial force 1/m.
-pub fn missing_flexibility(pull: Pull, sides: [Side<'_>; 2], along: usize) -> f64 {
+pub fn missing_flexibility(pull: Pull, sides: [JointSide<'_>; 2], along: usize) -> f64 {
     let sections = sides.map(|s| s.section);
     let Some(common) = sections[0].common(sections[1]) else { return 0.0 };
     let stiffness = |s: &Section| match (pull, along) {
@@ -178,7 +178,7 @@ pub fn missing_flexibility(pull: Pull, sides: [Side<'_>; 2], along: usize) -> f6
         (Pull::Axial, _) => s.area(),
     };
     let missing = missing(pull, sections, sides.map(|s| s.basis), along) * common.outer[along];
-    let of = |side: &Side<'_>| {
+    let of = |side: &JointSide<'_>| {
         let lost = (1.0 / stiffness(&common) - 1.0 / stiffness(side.section)).max(0.0);
         lost * missing.min(OF_LENGTH * side.length)
     };
@@ -194,8 +194,8 @@ pub fn missing_flexibility(pull: Pull, sides: [Side<'_>; 2], along: usize) -> f6
 mod tests {
     use super::*;
 
-    fn side(section: &Section, order: usize) -> Side<'_> {
-        Side { section, basis: SectionBasis::Monomials(order), length: 10.0, beyond: None }
+    fn side(section: &Section, order: usize) -> JointSide<'_> {
+        JointSide { section, basis: SectionBasis::Monomials(order), length: 10.0, beyond: None }
     }
 
     const CUBIC: [SectionBasis; 2] = [SectionBasis::Monomials(3); 2];
@@ -209,7 +209,7 @@ mod tests {
             assert!(of(&thin, &thick, 3) > 0.0 && of(&thin, &thick, 3) == of(&thick, &thin, 3));
             assert!(of(&thin, &thick, 5) < of(&thin, &thick, 3));
             let collar =
-                missing_flexibility(pull, [side(&thin, 3), Side { length: 0.1, ..side(&thick, 3) }], 0);
+                missing_flexibility(pull, [side(&thin, 3), JointSide { length: 0.1, ..side(&thick, 3) }], 0);
             assert!(collar < of(&thin, &thick, 3));
         }
     }

@@ -6,7 +6,7 @@ use crate::shaft::assembly::Assembly;
 
 /// One row (and column) of the matrices: an unknown of the unconstrained shaft.
 #[derive(Debug, Clone, serde::Serialize)]
-pub struct Row {
+pub struct MatrixRow {
     /// Node, from 1.
     pub node: usize,
     /// Position of the node, m.
@@ -33,7 +33,7 @@ pub struct PhysicalMatrix {
 
 /// `M`, `G`, `N`, `K0` of the unconstrained shaft with disks, hubs and bearings, and the meaning of their
 /// rows. Unknowns are the derivatives themselves (not scaled by the reference length).
-pub fn matrices(model: &Model) -> (Vec<Row>, Vec<PhysicalMatrix>) {
+pub fn matrices(model: &Model) -> (Vec<MatrixRow>, Vec<PhysicalMatrix>) {
     let assembly = Assembly::unsupported(model);
     let mut rows = Vec::new();
     let mut scale = Vec::new();
@@ -41,7 +41,7 @@ pub fn matrices(model: &Model) -> (Vec<Row>, Vec<PhysicalMatrix>) {
         let basis = at.field.basis;
         for (vector, power) in basis.names().into_iter().zip(basis.scales()) {
             for component in ["x", "y", "z"] {
-                rows.push(Row { node: node + 1, x_m: at.x, vector: vector.clone(), component });
+                rows.push(MatrixRow { node: node + 1, x_m: at.x, vector: vector.clone(), component });
                 scale.push(model.reference_length.powi(power));
             }
         }
@@ -49,7 +49,7 @@ pub fn matrices(model: &Model) -> (Vec<Row>, Vec<PhysicalMatrix>) {
             .filter(|&d| model.disks[d].node == node && assembly.numbering.normal(d).is_some())
         {
             for component in ["x", "y", "z"] {
-                rows.push(Row {
+                rows.push(MatrixRow {
                     node: node + 1,
                     x_m: at.x,
                     vector: format!("normal{}", disk + 1),

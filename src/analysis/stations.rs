@@ -20,7 +20,7 @@ const SAME: f64 = 1e-9;
 
 /// A section of the shaft.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Station {
+pub struct GrowthStation {
     /// Position along the undeformed shaft, m.
     pub x: f64,
     /// The section there.
@@ -31,7 +31,7 @@ pub struct Station {
     pub clearance: f64,
 }
 
-impl Station {
+impl GrowthStation {
     /// True when nothing nearby changes the section's growth.
     pub fn is_clear(&self) -> bool {
         self.clearance >= CLEAR * (1.0 - SAME)
@@ -39,7 +39,7 @@ impl Station {
 }
 
 /// The section nearest to mid-length that is clear of disturbances; where none is, the one farthest from them.
-pub fn headline(model: &Model) -> Station {
+pub fn headline(model: &Model) -> GrowthStation {
     let places = disturbances(model);
     let middle = model.length / 2.0;
     let station = |x: f64| {
@@ -48,11 +48,11 @@ pub fn headline(model: &Model) -> Station {
         let radius = section.outer_size();
         let distance = |p: &f64| ((p - x).abs() / radius).min(elements_between(model, *p, x));
         let clearance = places.iter().map(distance).fold(f64::INFINITY, f64::min);
-        Station { x, section, material: e.material, clearance }
+        GrowthStation { x, section, material: e.material, clearance }
     };
     let inner = model.elements.iter().flat_map(|e| [e.x, e.x + e.length / 2.0]);
     // within rounding, the left one of two that are alike
-    let better = |a: &Station, b: &Station| {
+    let better = |a: &GrowthStation, b: &GrowthStation| {
         let (near_a, near_b) = ((a.x - middle).abs(), (b.x - middle).abs());
         match (a.is_clear(), b.is_clear()) {
             (true, true) => near_a < near_b - SAME * model.length,

@@ -6,7 +6,7 @@
 //! forces `(K - w^2 M) q` at the end of the element beside the joint.
 
 use crate::analysis::character::Character;
-use crate::analysis::joint::{Pull, Side, missing_flexibility};
+use crate::analysis::joint::{JointSide, Pull, missing_flexibility};
 use crate::model::{Element, Hub, Model};
 use crate::results::{Diagnostic, ModeKind};
 use crate::section::basis::SectionBasis;
@@ -80,7 +80,7 @@ fn joints(model: &Model) -> Vec<Joint> {
         let sheared =
             mean(&|m| 2.0 * (1.0 + model.materials[m].poisson_ratio) / model.materials[m].youngs_modulus);
         let all = |bases: [SectionBasis; 2]| {
-            let side = |i: usize| Side {
+            let side = |i: usize| JointSide {
                 section: sections[i],
                 basis: bases[i],
                 length: runs[i].0,

@@ -16,7 +16,7 @@ pub struct TradeoffInput {
     pub quantity: Quantity,
     /// What the number is compared with: a number, "expected" (the case's own entry for that quantity), or "finest" (the
     /// point with the most unknowns; it is then no part of the comparison).
-    pub reference: Reference,
+    pub reference: StudyReference,
     /// Lists of values by path, as with --set; every combination is a point. A list of such objects adds up their points.
     /// "mesh": [1, 2, 4] multiplies the elements of all segments (of all bodies of a scene).
     pub grid: Grid,
@@ -86,7 +86,7 @@ impl<'de> Deserialize<'de> for Quantity {
 
 /// What the quantity is compared with.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Reference {
+pub enum StudyReference {
     /// A number.
     Value(f64),
     /// The case's own `expected` entry for the analysis and quantity.
@@ -95,7 +95,7 @@ pub enum Reference {
     Finest,
 }
 
-impl Serialize for Reference {
+impl Serialize for StudyReference {
     fn serialize<S: serde::Serializer>(&self, s: S) -> std::result::Result<S::Ok, S::Error> {
         match self {
             Self::Value(value) => s.serialize_f64(*value),
@@ -105,7 +105,7 @@ impl Serialize for Reference {
     }
 }
 
-impl<'de> Deserialize<'de> for Reference {
+impl<'de> Deserialize<'de> for StudyReference {
     fn deserialize<D: serde::Deserializer<'de>>(d: D) -> std::result::Result<Self, D::Error> {
         let value = Value::deserialize(d)?;
         match (value.as_str(), value.as_f64()) {
@@ -119,7 +119,7 @@ impl<'de> Deserialize<'de> for Reference {
     }
 }
 
-impl JsonSchema for Reference {
+impl JsonSchema for StudyReference {
     fn schema_name() -> std::borrow::Cow<'static, str> {
         "Reference".into()
     }

@@ -43,7 +43,7 @@ pub const SMALL_SIZE: f64 = 12.5;
 
 /// How a curve is broken up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Line {
+pub enum LineStyle {
     /// Unbroken.
     Solid,
     /// Long strokes.
@@ -56,15 +56,15 @@ pub enum Line {
     DashDotDot,
 }
 
-impl Line {
+impl LineStyle {
     /// Lengths of strokes and gaps in turn, in logical pixels; empty for an unbroken line.
     pub fn pattern(self) -> &'static [f64] {
         match self {
-            Line::Solid => &[],
-            Line::Dashed => &[9.0, 5.0],
-            Line::Dotted => &[2.5, 3.5],
-            Line::DashDot => &[11.0, 4.0, 2.5, 4.0],
-            Line::DashDotDot => &[9.0, 3.5, 2.0, 3.0, 2.0, 3.5],
+            LineStyle::Solid => &[],
+            LineStyle::Dashed => &[9.0, 5.0],
+            LineStyle::Dotted => &[2.5, 3.5],
+            LineStyle::DashDot => &[11.0, 4.0, 2.5, 4.0],
+            LineStyle::DashDotDot => &[9.0, 3.5, 2.0, 3.0, 2.0, 3.5],
         }
     }
 }
@@ -77,23 +77,23 @@ pub struct Stroke {
     /// Width in logical pixels.
     pub width: f64,
     /// Kind.
-    pub line: Line,
+    pub line: LineStyle,
 }
 
 impl Stroke {
     /// An unbroken stroke.
     pub const fn solid(color: Color, width: f64) -> Self {
-        Self { color, width, line: Line::Solid }
+        Self { color, width, line: LineStyle::Solid }
     }
 
     /// Whirl by colour and line kind alike: forward blue solid, backward vermillion dashed, mixed green with two dots a stroke,
     /// none black dotted.
     pub fn whirl(whirl: Whirl) -> Self {
         let (color, line) = match whirl {
-            Whirl::Forward => (BLUE, Line::Solid),
-            Whirl::Backward => (VERMILLION, Line::Dashed),
-            Whirl::Mixed => (GREEN, Line::DashDotDot),
-            Whirl::None => (BLACK, Line::Dotted),
+            Whirl::Forward => (BLUE, LineStyle::Solid),
+            Whirl::Backward => (VERMILLION, LineStyle::Dashed),
+            Whirl::Mixed => (GREEN, LineStyle::DashDotDot),
+            Whirl::None => (BLACK, LineStyle::Dotted),
         };
         Self { color, width: 2.2, line }
     }

@@ -2,7 +2,7 @@
 
 use crate::draw::axes::{self, Scale, Side};
 use crate::draw::clip::{self, Point, Rect};
-use crate::draw::palette::{self, Color, Font, Line, Marker, Stroke};
+use crate::draw::palette::{self, Color, Font, LineStyle, Marker, Stroke};
 use crate::draw::pen::Pen;
 use crate::draw::sheet::{self, FooterWords, Sample};
 use crate::draw::text::{self, Anchor};
@@ -20,11 +20,11 @@ const AIR: f64 = 0.06;
 
 /// Strokes of the curves of a panel, in order; each differs in colour and kind.
 pub const STROKES: [Stroke; 5] = [
-    Stroke { color: palette::BLUE, width: 2.0, line: Line::Solid },
-    Stroke { color: palette::VERMILLION, width: 2.0, line: Line::Dashed },
-    Stroke { color: palette::GREEN, width: 2.0, line: Line::DashDot },
-    Stroke { color: palette::BLACK, width: 1.6, line: Line::Dotted },
-    Stroke { color: palette::GREY, width: 1.4, line: Line::Solid },
+    Stroke { color: palette::BLUE, width: 2.0, line: LineStyle::Solid },
+    Stroke { color: palette::VERMILLION, width: 2.0, line: LineStyle::Dashed },
+    Stroke { color: palette::GREEN, width: 2.0, line: LineStyle::DashDot },
+    Stroke { color: palette::BLACK, width: 1.6, line: LineStyle::Dotted },
+    Stroke { color: palette::GREY, width: 1.4, line: LineStyle::Solid },
 ];
 
 /// A named curve.

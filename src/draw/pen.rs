@@ -7,7 +7,7 @@ use plotters::style::{Color as _, FontStyle, FontTransform, IntoFont, RGBAColor,
 use plotters_backend::{BackendCoord, DrawingBackend};
 
 use crate::draw::clip::{Point, Rect, simplified};
-use crate::draw::palette::{Color, Font, Line, Marker, Stroke, WHITE};
+use crate::draw::palette::{Color, Font, LineStyle, Marker, Stroke, WHITE};
 use crate::draw::svg::{SCALE, Svg};
 use crate::draw::text::Anchor;
 
@@ -157,7 +157,7 @@ impl<'a> Pen<'a> {
         self.keep(outcome);
     }
 
-    fn dash(&mut self, line: Line) {
+    fn dash(&mut self, line: LineStyle) {
         self.svg.set_dashes(line.pattern().iter().map(|length| units(*length)));
     }
 }

@@ -27,10 +27,10 @@ const BELOW: f64 = 0.24;
 type Look = BTreeMap<&'static str, String>;
 
 /// What the backend answers.
-type Outcome = Result<(), DrawingErrorKind<Error>>;
+type Drawn = Result<(), DrawingErrorKind<Error>>;
 
 /// A shape as an element without parts.
-struct Shape {
+struct SvgShape {
     tag: &'static str,
     /// Where it lies.
     place: Vec<(&'static str, String)>,
@@ -47,7 +47,7 @@ struct Group {
 }
 
 enum Part {
-    Shape(Shape),
+    SvgShape(SvgShape),
     Group(Group),
 }
 
@@ -120,7 +120,7 @@ impl<'a> Svg<'a> {
 
     fn circle(&mut self, (x, y): BackendCoord, radius: u32, look: Look) {
         let place = vec![("cx", x.to_string()), ("cy", y.to_string()), ("r", radius.to_string())];
-        self.add(Part::Shape(Shape { tag: "circle", place, look, words: String::new() }));
+        self.add(Part::SvgShape(SvgShape { tag: "circle", place, look, words: String::new() }));
     }
 
     /// Lines that follow one another in the same look become one path.
@@ -132,20 +132,25 @@ impl<'a> Svg<'a> {
         let dashes = if lengths.is_empty() { "none".to_owned() } else { lengths.join(" ") };
         let look = stroked(style, dashes);
         let last = self.open.last_mut().and_then(|group| group.parts.last_mut());
-        if let Some(Part::Shape(before)) = last
+        if let Some(Part::SvgShape(before)) = last
             && before.look == look
             && let ("path", [(_, line)]) = (before.tag, &mut before.place[..])
         {
             line.push_str(&d);
             return;
         }
-        self.add(Part::Shape(Shape { tag: "path", place: vec![("d", d)], look, words: String::new() }));
+        self.add(Part::SvgShape(SvgShape { tag: "path", place: vec![("d", d)], look, words: String::new() }));
     }
 
     fn fill(&mut self, d: String, color: BackendColor) {
         if color.alpha > 0.0 {
             let place = vec![("d", d)];
-            self.add(Part::Shape(Shape { tag: "path", place, look: filled(color), words: String::new() }));
+            self.add(Part::SvgShape(SvgShape {
+                tag: "path",
+                place,
+                look: filled(color),
+                words: String::new(),
+            }));
         }
     }
 }
@@ -157,12 +162,12 @@ impl DrawingBackend for Svg<'_> {
         self.size
     }
 
-    fn ensure_prepared(&mut self) -> Outcome {
+    fn ensure_prepared(&mut self) -> Drawn {
         Ok(())
     }
 
     /// Writes all that was drawn; what was written before is replaced.
-    fn present(&mut self) -> Outcome {
+    fn present(&mut self) -> Drawn {
         while self.open.len() > 1 {
             self.close_group();
         }
@@ -181,12 +186,12 @@ impl DrawingBackend for Svg<'_> {
         write().map_err(DrawingErrorKind::DrawingError)
     }
 
-    fn draw_pixel(&mut self, (x, y): BackendCoord, color: BackendColor) -> Outcome {
+    fn draw_pixel(&mut self, (x, y): BackendCoord, color: BackendColor) -> Drawn {
         self.fill(rectangle((x, y), (x.saturating_add(1), y.saturating_add(1))), color);
         Ok(())
     }
 
-    fn draw_line<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S) -> Outcome {
+    fn draw_line<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S) -> Drawn {
         self.stroke(path([from, to], false), style);
         Ok(())
     }
@@ -197,7 +202,7 @@ impl DrawingBackend for Svg<'_> {
         bottom_right: BackendCoord,
         style: &S,
         fill: bool,
-    ) -> Outcome {
+    ) -> Drawn {
         let d = rectangle(upper_left, bottom_right);
         if fill {
             self.fill(d, style.color())
@@ -211,7 +216,7 @@ impl DrawingBackend for Svg<'_> {
         &mut self,
         points: I,
         style: &S,
-    ) -> Outcome {
+    ) -> Drawn {
         self.stroke(path(points, false), style);
         Ok(())
     }
@@ -222,7 +227,7 @@ impl DrawingBackend for Svg<'_> {
         radius: u32,
         style: &S,
         fill: bool,
-    ) -> Outcome {
+    ) -> Drawn {
         if style.color().alpha > 0.0 {
             let look = if fill { filled(style.color()) } else { stroked(style, "none".to_owned()) };
             self.circle(center, radius, look);
@@ -234,13 +239,13 @@ impl DrawingBackend for Svg<'_> {
         &mut self,
         points: I,
         style: &S,
-    ) -> Outcome {
+    ) -> Drawn {
         self.fill(path(points, true), style.color());
         Ok(())
     }
 
     /// Writes text as text; the size of its style is the height of an em in units.
-    fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, (x, y): BackendCoord) -> Outcome {
+    fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, (x, y): BackendCoord) -> Drawn {
         let words = printable(text);
         if words.trim().is_empty() || style.color().alpha == 0.0 {
             return Ok(());
@@ -283,7 +288,7 @@ impl DrawingBackend for Svg<'_> {
             ("font-weight", weight.to_owned()),
             ("text-anchor", anchor.to_owned()),
         ]);
-        self.add(Part::Shape(Shape { tag: "text", place, look, words }));
+        self.add(Part::SvgShape(SvgShape { tag: "text", place, look, words }));
         Ok(())
     }
 
@@ -393,7 +398,7 @@ fn count<'p>(parts: &'p [Part], counts: &mut BTreeMap<&'static str, Vec<(&'p str
     for part in parts {
         match part {
             Part::Group(group) => count(&group.parts, counts),
-            Part::Shape(shape) => {
+            Part::SvgShape(shape) => {
                 for (&attribute, value) in &shape.look {
                     let values = counts.entry(attribute).or_default();
                     match values.iter_mut().find(|(known, _)| known == value) {
@@ -449,13 +454,13 @@ fn write_parts(out: &mut String, group: &Group, inherited: &Look) -> std::fmt::R
                 write_parts(out, inside, &look)?;
                 out.write_str("</g>\n")?;
             }
-            Part::Shape(shape) => write_shape(out, shape, &look)?,
+            Part::SvgShape(shape) => write_shape(out, shape, &look)?,
         }
     }
     Ok(())
 }
 
-fn write_shape(out: &mut String, shape: &Shape, inherited: &Look) -> std::fmt::Result {
+fn write_shape(out: &mut String, shape: &SvgShape, inherited: &Look) -> std::fmt::Result {
     write!(out, "<{}", shape.tag)?;
     for (attribute, value) in &shape.place {
         write_attribute(out, attribute, value)?;

@@ -4,7 +4,7 @@
 //! Source: docs/theory/elements.md#kinematics and docs/theory/rings.md#functions.
 
 use crate::element::boundary_curve::LinePoint;
-use crate::element::ring_functions::{Ring, rule};
+use crate::element::ring_functions::{RingFunctions, rule};
 use crate::section::Section;
 use crate::section::basis::{RingFunction, SectionBasis, exponents, ring_functions};
 use faer::Mat;
@@ -40,7 +40,7 @@ impl SectionFunctions {
     pub fn at(&self, y: f64, z: f64) -> Vec<[f64; 3]> {
         let r = self.reference_length;
         if self.basis.is_ring() {
-            let ring = Ring::new(&self.section);
+            let ring = RingFunctions::new(&self.section);
             let (rho, theta) = ring.coordinates(y, z);
             let ((sin, cos), [cy, cz]) = (theta.sin_cos(), ring.outer);
             let functions = ring.functions(&self.ring, r, rho, theta).into_iter();

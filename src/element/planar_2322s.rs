@@ -27,7 +27,7 @@ const NO_CHANGE: f64 = 1e-26;
 
 /// A point of a quadrature along the element.
 #[derive(Debug, Clone, Copy)]
-struct Station {
+struct PlanarStation {
     /// m.
     weight: f64,
     values: [f64; NODES],
@@ -42,7 +42,7 @@ struct Station {
 pub struct PlanarElement {
     section: PlanarSection,
     length: f64,
-    stations: [Station; 5],
+    stations: [PlanarStation; 5],
 }
 
 /// `L_i(xi)`.
@@ -66,7 +66,7 @@ type Curvature = SMatrix<f64, QUANTITIES, QUANTITIES>;
 impl PlanarElement {
     /// An element of that length, m.
     pub fn new(section: PlanarSection, length: f64) -> Self {
-        let station = |xi: f64, weight: f64, thickness| Station {
+        let station = |xi: f64, weight: f64, thickness| PlanarStation {
             weight: weight * length / 2.0,
             values: values(xi),
             slopes: slopes(xi).map(|s| s * 2.0 / length),
@@ -216,7 +216,7 @@ pub fn moment_on_vector(moment: f64, b: [f64; 2]) -> [f64; 2] {
     [-moment * b[1] / squared, moment * b[0] / squared]
 }
 
-impl Station {
+impl PlanarStation {
     fn quantities(&self, q: &[f64]) -> Quantities {
         let mut v = Quantities::zeros();
         for i in 0..NODES {

@@ -17,7 +17,7 @@ const ROUNDING: f64 = 1e-14;
 
 /// Shape of a ring in units of its outer semi-axes.
 #[derive(Debug, Clone, Copy)]
-pub struct Ring {
+pub struct RingFunctions {
     /// Outer semi-axes `[c_y, c_z]`, m.
     pub outer: [f64; 2],
     /// Mean radius `(1 + k) / 2`.
@@ -37,7 +37,7 @@ pub struct Polar {
     pub hoop: f64,
 }
 
-impl Ring {
+impl RingFunctions {
     /// The ring that a hollow section is; the bore of an ellipse is taken as similar to its outline.
     pub fn new(section: &Section) -> Self {
         let ([c, _], [i, _]) = (section.outer, section.inner);
@@ -129,7 +129,7 @@ pub fn products(
     section: &Section,
     reference_length: f64,
 ) -> ([[Mat<f64>; 3]; 3], Mat<f64>, Mat<f64>) {
-    let ring = Ring::new(section);
+    let ring = RingFunctions::new(section);
     let list = ring_functions(degree, harmonics);
     let [cy, cz] = ring.outer;
     // two derivatives by y or z make two more harmonics
@@ -203,7 +203,7 @@ pub fn rotation_matrix(degree: usize, harmonics: usize) -> Mat<f64> {
 /// ellipse, and of a rectangle those points that lie outside the bore of `own`.
 pub fn rule(over: &Section, own: &Section, degree: usize, harmonics: usize) -> Vec<(f64, f64, f64)> {
     if over.shape == Shape::Rectangle {
-        let ring = Ring::new(own);
+        let ring = RingFunctions::new(own);
         let inside = |p: &(f64, f64, f64)| {
             let (rho, _) = ring.coordinates(p.0, p.1);
             rho >= ring.mean - ring.half
@@ -213,7 +213,7 @@ pub fn rule(over: &Section, own: &Section, degree: usize, harmonics: usize) -> V
     let similar = over.outer[0] * own.outer[1] == over.outer[1] * own.outer[0]
         && over.outer[0] * over.inner[1] == over.outer[1] * over.inner[0];
     let angles = if similar { 2 * harmonics + 8 } else { 2 * harmonics + 64 };
-    let count = (Ring::new(own).points(2 * degree + 4, 1e-17)).max(degree + 4);
+    let count = (RingFunctions::new(own).points(2 * degree + 4, 1e-17)).max(degree + 4);
     let mut list = Vec::with_capacity(count * angles);
     for (t, w) in gauss(count) {
         let share = (1.0 + t) / 2.0;

@@ -53,13 +53,13 @@ fn moduli(section: &Section, material: &Material) -> [f64; 9] {
 }
 
 /// A vector whose components may carry derivatives.
-type Vector<T> = [T; 3];
+type DualVector<T> = [T; 3];
 
-fn dot<T: DualNum<f64> + Copy>(a: Vector<T>, b: Vector<T>) -> T {
+fn dot<T: DualNum<f64> + Copy>(a: DualVector<T>, b: DualVector<T>) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn cross<T: DualNum<f64> + Copy>(a: Vector<T>, b: Vector<T>) -> Vector<T> {
+fn cross<T: DualNum<f64> + Copy>(a: DualVector<T>, b: DualVector<T>) -> DualVector<T> {
     [(1, 2), (2, 0), (0, 1)].map(|(i, j)| a[i] * b[j] - a[j] * b[i])
 }
 
@@ -89,7 +89,7 @@ fn strains<T: DualNum<f64> + Copy>(v: &SVector<T, QUANTITIES>) -> [T; 9] {
 
 /// A Gauss point along the element.
 #[derive(Debug, Clone)]
-struct Station {
+struct StructuralStation {
     /// Weight, m.
     weight: f64,
     /// Section quantity by coordinate: `[quantity][node]`.
@@ -101,7 +101,7 @@ struct Station {
 #[derive(Debug, Clone)]
 pub struct StructuralElement {
     moduli: [f64; 9],
-    stations: Vec<Station>,
+    stations: Vec<StructuralStation>,
 }
 
 impl StructuralElement {
@@ -114,7 +114,7 @@ impl StructuralElement {
         axial_points: usize,
     ) -> Self {
         let polynomials = lagrange(DEGREE);
-        let station = |(xi, w): (f64, f64)| Station {
+        let station = |(xi, w): (f64, f64)| StructuralStation {
             weight: w * length / 2.0,
             factors: SOURCES.map(|(vector, derived)| {
                 let scale = if vector == 0 { 1.0 } else { 1.0 / reference_length };
@@ -194,7 +194,7 @@ fn coordinate(node: usize, vector: usize, component: usize) -> usize {
 }
 
 /// The section quantities of the coordinates q.
-fn quantities(station: &Station, q: &[f64]) -> SVector<f64, QUANTITIES> {
+fn quantities(station: &StructuralStation, q: &[f64]) -> SVector<f64, QUANTITIES> {
     SVector::from_fn(|at, _| {
         let (k, c) = (at / 3, at % 3);
         (0..NODES).map(|i| station.factors[k][i] * q[coordinate(i, SOURCES[k].0, c)]).sum()
@@ -202,7 +202,7 @@ fn quantities(station: &Station, q: &[f64]) -> SVector<f64, QUANTITIES> {
 }
 
 /// One term `factor * (d/dx)^derived of component of vector`.
-struct Term {
+struct StiffnessTerm {
     vector: usize,
     component: usize,
     derived: bool,
@@ -219,7 +219,7 @@ pub fn stiffness(
     let scale = 1.0 / reference_length;
     let [u, v, w] = [(0, 1.0), (1, scale), (2, scale)];
     let [x, y, z] = [0, 1, 2];
-    let term = |(vector, scale): (usize, f64), component, derived, factor: f64| Term {
+    let term = |(vector, scale): (usize, f64), component, derived, factor: f64| StiffnessTerm {
         vector,
         component,
         derived,

@@ -11,7 +11,7 @@
 //! order and step is that of Shampine and Gordon (Computer Solution of Ordinary Differential Equations, 1975).
 
 use crate::error::Result;
-use crate::integrate::{Course, Flows, Moment, OnStep, Progress, Settings, Step, failed};
+use crate::integrate::{Course, Flows, IntegratorSettings, Moment, OnStep, Progress, Step, failed};
 use crate::shaft::motion::Dynamics;
 
 /// Highest order of the predictor; the corrector is one order higher.
@@ -46,10 +46,10 @@ const fn moulton() -> [f64; HIGHEST + 2] {
 pub fn integrate(
     dynamics: &mut Dynamics<'_>,
     start: Moment,
-    settings: &Settings,
+    settings: &IntegratorSettings,
     on_step: &mut OnStep<'_>,
 ) -> Result<Progress> {
-    let mut run = Run::new(dynamics, start);
+    let mut run = AdamsRun::new(dynamics, start);
     let mut course = Course::new(settings, dynamics, &run.now);
     let mut progress = Progress::default();
     run.restart(dynamics, settings);
@@ -102,7 +102,7 @@ struct Errors {
 }
 
 /// An integration under way.
-struct Run {
+struct AdamsRun {
     now: Moment,
     next: Moment,
     flows: [Flows; 2],
@@ -131,7 +131,7 @@ struct Run {
     errors: Errors,
 }
 
-impl Run {
+impl AdamsRun {
     fn new(dynamics: &mut Dynamics<'_>, start: Moment) -> Self {
         let n = start.z.len();
         dynamics.evaluate(start.t, &start.z, &start.v, &start.a);
@@ -174,7 +174,7 @@ impl Run {
     }
 
     /// Forgets the past: order one, a step whose error is a sixteenth of the tolerance if accelerations last.
-    fn restart(&mut self, dynamics: &Dynamics<'_>, settings: &Settings) {
+    fn restart(&mut self, dynamics: &Dynamics<'_>, settings: &IntegratorSettings) {
         let n = self.now.z.len();
         let fastest = self.phi[0][n..].iter().fold(0.0, |m: f64, a| m.max(a.abs()));
         let modest = 0.25 * (settings.tolerance(dynamics, &self.now) / fastest.max(f64::MIN_POSITIVE)).sqrt();
@@ -209,7 +209,7 @@ impl Run {
     }
 
     /// Tries a step; false when its error is too large, after order and step have been lowered.
-    fn attempt(&mut self, dynamics: &mut Dynamics<'_>, h: f64, settings: &Settings) -> bool {
+    fn attempt(&mut self, dynamics: &mut Dynamics<'_>, h: f64, settings: &IntegratorSettings) -> bool {
         let (n, k) = (self.now.z.len(), self.order);
         if h != self.h {
             (self.equal, self.h) = (0, h);

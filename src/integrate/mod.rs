@@ -29,7 +29,7 @@ pub enum Method {
 
 /// How to integrate: the method, its tolerances and steps, and where steps must end.
 #[derive(Debug, Clone)]
-pub struct Settings {
+pub struct IntegratorSettings {
     /// The method that integrates.
     pub method: Method,
     /// Tolerance of a step relative to the largest displacement.
@@ -46,14 +46,14 @@ pub struct Settings {
     pub stops: Vec<f64>,
 }
 
-impl Settings {
+impl IntegratorSettings {
     /// Tolerance of a step from a state, m: relative to the displacement from where the drive carries the undeformed shaft.
     fn tolerance(&self, dynamics: &Dynamics<'_>, now: &Moment) -> f64 {
         self.atol + self.rtol * dynamics.largest_displacement(now.t, &now.z)
     }
 }
 
-impl Settings {
+impl IntegratorSettings {
     /// Tolerance of a step of length h. In the inertial frame the rotation itself is integrated, by many more steps than the
     /// vibration asks for: their errors add up, so each has its share per radian turned.
     fn step_tolerance(&self, dynamics: &Dynamics<'_>, now: &Moment, h: f64) -> f64 {
@@ -191,7 +191,7 @@ impl Flows {
 pub fn integrate(
     dynamics: &mut Dynamics<'_>,
     start: Moment,
-    settings: &Settings,
+    settings: &IntegratorSettings,
     on_step: &mut OnStep<'_>,
 ) -> Result<Progress> {
     match settings.method {
@@ -202,7 +202,7 @@ pub fn integrate(
 
 /// The way to the end of a run: where steps must stop, and how many are still allowed.
 struct Course<'a> {
-    settings: &'a Settings,
+    settings: &'a IntegratorSettings,
     until: f64,
     /// Time that the last steps took, and their number.
     recent: (f64, usize),
@@ -212,7 +212,7 @@ struct Course<'a> {
 
 impl<'a> Course<'a> {
     /// The way from a state.
-    fn new(settings: &'a Settings, dynamics: &mut Dynamics<'_>, start: &Moment) -> Self {
+    fn new(settings: &'a IntegratorSettings, dynamics: &mut Dynamics<'_>, start: &Moment) -> Self {
         let until = settings.stops.last().copied().unwrap_or(0.0);
         let mut course = Self { settings, until, recent: (0.0, 0), touch: (None, 0) };
         course.prepare(dynamics, start);

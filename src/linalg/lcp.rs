@@ -23,7 +23,7 @@ const PROXIMAL_STEPS: usize = 30;
 
 /// Why a linear complementarity problem was left unsolved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum Failure {
+pub enum LcpFailure {
     /// The pivoting ended on a secondary ray; for a positive semidefinite N this says that, to rounding, no `z >= 0` has
     /// `N z + p >= 0`.
     #[error("the complementarity problem has no solution within reach: pivoting ended on a ray")]
@@ -52,15 +52,15 @@ pub enum Failure {
 /// itself if N is positive semidefinite and it has one.
 ///
 /// # Errors
-/// [`Failure`]. Of a positive semidefinite N, only a problem without a solution, or one so badly conditioned (1e10 and
+/// [`LcpFailure`]. Of a positive semidefinite N, only a problem without a solution, or one so badly conditioned (1e10 and
 /// more) that rounding makes it one, ends on a ray.
 ///
 /// # Panics
 /// N is not square with as many rows as p has entries.
-pub fn lemke(n: MatRef<'_, f64>, p: &[f64], pivots: usize) -> Result<Vec<f64>, Failure> {
+pub fn lemke(n: MatRef<'_, f64>, p: &[f64], pivots: usize) -> Result<Vec<f64>, LcpFailure> {
     assert!(n.nrows() == p.len() && n.ncols() == p.len(), "N must be square and of the size of p");
     if !(p.iter().all(|v| v.is_finite()) && n.is_all_finite()) {
-        return Err(Failure::NotFinite);
+        return Err(LcpFailure::NotFinite);
     }
     if p.iter().all(|v| *v >= 0.0) {
         return Ok(vec![0.0; p.len()]);
@@ -73,7 +73,7 @@ pub fn lemke(n: MatRef<'_, f64>, p: &[f64], pivots: usize) -> Result<Vec<f64>, F
     };
     let z = problem.solve(pivots)?;
     let z: Vec<f64> = z.iter().zip(&scale).map(|(z, s)| z * s * unit).collect();
-    if z.iter().all(|v| v.is_finite()) { Ok(z) } else { Err(Failure::NotFinite) }
+    if z.iter().all(|v| v.is_finite()) { Ok(z) } else { Err(LcpFailure::NotFinite) }
 }
 
 /// A complementarity problem after its rows and its right-hand side were scaled to about one.
@@ -91,7 +91,7 @@ struct Basis {
 }
 
 impl Problem {
-    fn solve(&self, pivots: usize) -> Result<Vec<f64>, Failure> {
+    fn solve(&self, pivots: usize) -> Result<Vec<f64>, LcpFailure> {
         self.pivoted(pivots).or_else(|failure| self.proximal(pivots).ok_or(failure))
     }
 
@@ -109,7 +109,7 @@ impl Problem {
         None
     }
 
-    fn pivoted(&self, pivots: usize) -> Result<Vec<f64>, Failure> {
+    fn pivoted(&self, pivots: usize) -> Result<Vec<f64>, LcpFailure> {
         let size = self.p.len();
         let cover = 2 * size;
         let mut basis = Basis {
@@ -130,14 +130,14 @@ impl Problem {
             let column = self.column(&basis, entering);
             let Some(row) = basis.leaving_row(&column, cover) else {
                 // on the edge of what has a solution rounding may leave a trace of the covering variable
-                return self.answer(&basis).map_err(|_| Failure::Ray);
+                return self.answer(&basis).map_err(|_| LcpFailure::Ray);
             };
             leaving = basis.exchange(row, entering, &column);
             if leaving == cover {
                 return self.answer(&basis);
             }
         }
-        Err(Failure::Limit)
+        Err(LcpFailure::Limit)
     }
 
     /// Column of a w or z in the present basis: the inverse times its column of `[I, -N]`.
@@ -154,7 +154,7 @@ impl Problem {
     }
 
     /// The z of a basis, solved anew from `N_BB z_B = -p_B` unless the dictionary's own values are better.
-    fn answer(&self, basis: &Basis) -> Result<Vec<f64>, Failure> {
+    fn answer(&self, basis: &Basis) -> Result<Vec<f64>, LcpFailure> {
         let size = self.p.len();
         let (mut active, mut z) = (Vec::new(), vec![0.0; size]);
         for (&variable, row) in basis.variables.iter().zip(&basis.rows) {
@@ -181,7 +181,7 @@ impl Problem {
         }
         // written so that a residual that is no number fails too
         if !(best <= TOLERANCE) {
-            return Err(Failure::Inaccurate);
+            return Err(LcpFailure::Inaccurate);
         }
         Ok(z)
     }

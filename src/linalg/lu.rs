@@ -64,7 +64,7 @@ struct Pattern {
 
 /// Factorises matrices one after the other; as long as their places are the same, the ordering is found once.
 #[derive(Default)]
-pub struct Solver {
+pub struct LuSolver {
     pattern: Option<Pattern>,
     factor: SimplicialLu<usize, f64>,
     /// Pivot rows of the factor; `None` without one.
@@ -81,7 +81,7 @@ fn failed(tried: String) -> Error {
     )
 }
 
-impl Solver {
+impl LuSolver {
     /// Solves `A x = b` in place; `n` unknowns.
     ///
     /// # Errors

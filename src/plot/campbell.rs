@@ -7,13 +7,13 @@ mod curves;
 use crate::draw::axes::{self, Scale, Side};
 use crate::draw::clip::{self, Point, Rect};
 use crate::draw::labels::{self, Obstacles};
-use crate::draw::palette::{self, Color, Font, Line, Marker, Stroke};
+use crate::draw::palette::{self, Color, Font, LineStyle, Marker, Stroke};
 use crate::draw::pen::Pen;
 use crate::draw::sheet::{self, FooterWords, Sample};
 use crate::draw::text::{self, Anchor};
 use crate::error::Result;
 use crate::plot::campbell::curves::{
-    Curve, Mark, Order, RPM, Sampled, marks, orders, speed_range, top_frequency,
+    BranchCurve, CurveMark, Order, RPM, Sampled, marks, orders, speed_range, top_frequency,
 };
 use crate::results::{Campbell, Figures, ModeKind, Report, Whirl};
 
@@ -33,7 +33,7 @@ const NAME_SIZE: f64 = 14.0;
 /// Names smaller than this could not be read.
 const LEAST_NAME_SIZE: f64 = 8.0;
 const LONGEST_NAME: f64 = 80.0;
-const ORDER_STROKE: Stroke = Stroke { color: palette::GREY, width: 1.2, line: Line::DashDot };
+const ORDER_STROKE: Stroke = Stroke { color: palette::GREY, width: 1.2, line: LineStyle::DashDot };
 const LEADER: Stroke = Stroke::solid(palette::GREY, 0.9);
 const RANGE: Color = palette::PALE_RED;
 const RANGE_SAMPLE: Stroke = Stroke::solid(RANGE, 11.0);
@@ -75,8 +75,8 @@ fn paint(pen: &mut Pen, report: &Report<Campbell>) {
 
 /// Everything needed to paint the axes' inside.
 struct Diagram<'a> {
-    curves: Vec<Curve<'a>>,
-    marks: Vec<Mark<'a>>,
+    curves: Vec<BranchCurve<'a>>,
+    marks: Vec<CurveMark<'a>>,
     /// Unstable ranges, rpm.
     ranges: Vec<(f64, f64)>,
     orders: Vec<Order>,
@@ -89,8 +89,8 @@ struct Diagram<'a> {
 
 impl<'a> Diagram<'a> {
     fn new(results: &'a Campbell, below_title: f64) -> Self {
-        let curves: Vec<Curve> =
-            results.branches.iter().map(|b| Curve::new(b, &results.speeds_rad_s)).collect();
+        let curves: Vec<BranchCurve> =
+            results.branches.iter().map(|b| BranchCurve::new(b, &results.speeds_rad_s)).collect();
         let marks = marks(results, &curves);
         let orders = orders(results);
         let (low, high) = speed_range(&results.speeds_rad_s);
@@ -119,7 +119,7 @@ impl<'a> Diagram<'a> {
     }
 
     /// Visible parts of a curve as lines; single points come as lines of one point.
-    fn visible(&self, curve: &Curve) -> Vec<Vec<Point>> {
+    fn visible(&self, curve: &BranchCurve) -> Vec<Vec<Point>> {
         curve.stretches.iter().flat_map(|stretch| self.parts(stretch)).collect()
     }
 
@@ -220,7 +220,7 @@ impl<'a> Diagram<'a> {
     }
 
     /// A wide band under the unstable stretches of a curve.
-    fn paint_band(&self, pen: &mut Pen, curve: &Curve) {
+    fn paint_band(&self, pen: &mut Pen, curve: &BranchCurve) {
         let runs = curve.stretches.iter().flat_map(|stretch| stretch.split(|sampled| !sampled.unstable));
         for run in runs {
             match self.pixels(run)[..] {
@@ -235,7 +235,7 @@ impl<'a> Diagram<'a> {
 
     /// Speed pixel at which the curves end.
     fn column(&self) -> f64 {
-        let speeds = self.curves.iter().flat_map(Curve::samples).map(|sampled| sampled.rpm);
+        let speeds = self.curves.iter().flat_map(BranchCurve::samples).map(|sampled| sampled.rpm);
         speeds.reduce(f64::max).map_or(self.frame.right, |last| self.x.pixel(last))
     }
 
@@ -305,9 +305,9 @@ impl<'a> Diagram<'a> {
 
     fn paint_criticals(&self, pen: &mut Pen, obstacles: &mut Obstacles) {
         let inside = self.marks.iter().enumerate().filter(|(_, mark)| self.is_inside(mark));
-        let drawn: Vec<(usize, &Mark, Point)> =
+        let drawn: Vec<(usize, &CurveMark, Point)> =
             inside.map(|(index, mark)| (index + 1, mark, self.point(mark.rpm, mark.hz))).collect();
-        let place = |&(number, _, point): &(usize, &Mark, Point)| {
+        let place = |&(number, _, point): &(usize, &CurveMark, Point)| {
             (number <= LISTED).then(|| obstacles.near(point, (21.0, 21.0)))
         };
         let places: Vec<Option<Rect>> = drawn.iter().map(place).collect();
@@ -328,7 +328,7 @@ impl<'a> Diagram<'a> {
         }
     }
 
-    fn is_inside(&self, mark: &Mark) -> bool {
+    fn is_inside(&self, mark: &CurveMark) -> bool {
         let within = |scale: Scale, value: f64| scale.low <= value && value <= scale.high;
         within(self.x, mark.rpm) && within(self.y, mark.hz)
     }
@@ -336,11 +336,12 @@ impl<'a> Diagram<'a> {
     /// Remarks below the table on what the diagram does not show.
     fn notes(&self, unnamed: usize) -> Vec<String> {
         let mut notes = Vec::new();
-        let names = |curves: Vec<&Curve>| -> String {
+        let names = |curves: Vec<&BranchCurve>| -> String {
             curves.iter().map(|curve| curve.branch.name.as_str()).collect::<Vec<_>>().join(", ")
         };
-        let hidden: Vec<&Curve> = self.curves.iter().filter(|curve| self.visible(curve).is_empty()).collect();
-        let (silent, above): (Vec<&Curve>, Vec<&Curve>) =
+        let hidden: Vec<&BranchCurve> =
+            self.curves.iter().filter(|curve| self.visible(curve).is_empty()).collect();
+        let (silent, above): (Vec<&BranchCurve>, Vec<&BranchCurve>) =
             hidden.into_iter().partition(|curve| curve.stretches.is_empty());
         if !above.is_empty() {
             notes.push(format!("Outside the diagram: {}", names(above)));
@@ -365,7 +366,7 @@ impl<'a> Diagram<'a> {
             (Whirl::Mixed, "mixed whirl, or in a plane"),
             (Whirl::None, "no whirl"),
         ] {
-            if self.curves.iter().flat_map(Curve::samples).any(|sampled| sampled.whirl == whirl) {
+            if self.curves.iter().flat_map(BranchCurve::samples).any(|sampled| sampled.whirl == whirl) {
                 let stroke = Stroke::whirl(whirl);
                 let single =
                     self.curves.iter().flat_map(|curve| &curve.stretches).all(|stretch| stretch.len() == 1);
@@ -373,7 +374,7 @@ impl<'a> Diagram<'a> {
                 entries.push((if single { marker } else { Sample::Stroke(stroke) }, words.to_owned()));
             }
         }
-        if self.curves.iter().any(Curve::is_unstable) {
+        if self.curves.iter().any(BranchCurve::is_unstable) {
             let sample = Sample::Band(BAND, Stroke::solid(palette::BLACK, 1.5));
             entries.push((sample, "unstable".to_owned()));
         }

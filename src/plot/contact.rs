@@ -1,7 +1,7 @@
 //! Plots of `rotor contact`: the scene, gaps and forces, the energy balance, and where the time went.
 
 use crate::draw::clip::Point;
-use crate::draw::palette::{self, Line, Stroke};
+use crate::draw::palette::{self, LineStyle, Stroke};
 use crate::draw::panels::{self, Curve, Panel, STROKES, Surroundings, figure};
 use crate::draw::text;
 use crate::error::Result;
@@ -111,7 +111,7 @@ fn bodies(snapshot: &Snapshot, names: &[&str]) -> Vec<Curve> {
 fn undeformed(snapshot: &Snapshot) -> Vec<Curve> {
     let curve = |(k, outline): (usize, &Vec<[f64; 2]>)| Curve {
         name: if k == 0 { snapshot.label.clone() } else { String::new() },
-        stroke: Stroke { color: palette::GREY, width: 1.0, line: Line::Dotted },
+        stroke: Stroke { color: palette::GREY, width: 1.0, line: LineStyle::Dotted },
         points: closed(outline),
     };
     snapshot.outlines.iter().enumerate().map(curve).collect()

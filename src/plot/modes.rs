@@ -3,7 +3,7 @@
 
 use crate::draw::axes::Scale;
 use crate::draw::clip::{Point, Rect};
-use crate::draw::palette::{self, Font, Line, Marker, Stroke};
+use crate::draw::palette::{self, Font, LineStyle, Marker, Stroke};
 use crate::draw::pen::Pen;
 use crate::draw::sheet::{self, FooterWords, Sample};
 use crate::draw::text::{self, Anchor};
@@ -24,10 +24,10 @@ const TORSION_DISPLACEMENT: f64 = 0.12;
 /// Points of the outer outline whose way is drawn; without them a turned circle looks like one at rest.
 const FOLLOWED: usize = 8;
 
-const ALONG_Y: Stroke = Stroke { color: palette::BLUE, width: 2.2, line: Line::Solid };
-const ALONG_Z: Stroke = Stroke { color: palette::VERMILLION, width: 2.2, line: Line::Dashed };
-const ALONG_X: Stroke = Stroke { color: palette::GREEN, width: 2.2, line: Line::DashDot };
-const TWIST: Stroke = Stroke { color: palette::BLACK, width: 2.2, line: Line::Dotted };
+const ALONG_Y: Stroke = Stroke { color: palette::BLUE, width: 2.2, line: LineStyle::Solid };
+const ALONG_Z: Stroke = Stroke { color: palette::VERMILLION, width: 2.2, line: LineStyle::Dashed };
+const ALONG_X: Stroke = Stroke { color: palette::GREEN, width: 2.2, line: LineStyle::DashDot };
+const TWIST: Stroke = Stroke { color: palette::BLACK, width: 2.2, line: LineStyle::Dotted };
 const AT_REST: Stroke = Stroke::solid(palette::GREY, 1.0);
 const WAY: Stroke = Stroke::solid(palette::DARK_GREY, 1.0);
 const DEFORMED: Stroke = Stroke::solid(palette::BLACK, 2.2);

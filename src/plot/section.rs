@@ -1,6 +1,6 @@
 //! section.svg: displacements and stresses across a section, and its deformed outline.
 
-use crate::draw::palette::{self, Line, Stroke};
+use crate::draw::palette::{self, LineStyle, Stroke};
 use crate::draw::panels::{Curve, Panel, STROKES, Surroundings, figure};
 use crate::error::Result;
 use crate::results::{PointState, Profile, Report};
@@ -69,7 +69,7 @@ fn outline(profile: &Profile) -> (Panel, String) {
         let name = |of: &str| if k == 0 { of.to_owned() } else { String::new() };
         curves.push(Curve {
             name: name("undeformed"),
-            stroke: Stroke { color: palette::GREY, width: 1.2, line: Line::Dashed },
+            stroke: Stroke { color: palette::GREY, width: 1.2, line: LineStyle::Dashed },
             points: line.iter().map(|p| (p[1], p[0])).collect(),
         });
         curves.push(Curve {

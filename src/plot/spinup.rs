@@ -1,7 +1,7 @@
 //! Plots of `rotor spinup`: the section, growth, forces, and a run over time.
 
 use crate::draw::clip::Point;
-use crate::draw::palette::{self, Line, Marker, Stroke};
+use crate::draw::palette::{self, LineStyle, Marker, Stroke};
 use crate::draw::panels::{Curve, Mark, Panel, STROKES, Surroundings, figure};
 use crate::error::Result;
 use crate::plot::forces;
@@ -174,7 +174,7 @@ fn orbit(report: &Report<Spinup>, h: &History) -> Result<String> {
             let points = (0..=CIRCLE).map(at).map(|(s, c)| (stator.clearance_m * s, stator.clearance_m * c));
             curves.push(Curve {
                 name: "clearance of the ring".to_owned(),
-                stroke: Stroke { color: palette::BLACK, width: 1.2, line: Line::Dashed },
+                stroke: Stroke { color: palette::BLACK, width: 1.2, line: LineStyle::Dashed },
                 points: points.collect(),
             });
         }

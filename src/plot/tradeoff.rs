@@ -3,7 +3,7 @@
 
 use crate::draw::axes::{self, Scale, Side};
 use crate::draw::clip::{Point, Rect};
-use crate::draw::palette::{self, Color, Font, Line, Marker, Stroke};
+use crate::draw::palette::{self, Color, Font, LineStyle, Marker, Stroke};
 use crate::draw::pen::Pen;
 use crate::draw::sheet::{self, FooterWords, Sample};
 use crate::draw::text::{self, Anchor};
@@ -39,8 +39,8 @@ pub const MARKERS: [Marker; 8] = [
 ];
 const FRONT: Color = palette::BLUE;
 const OTHER: Color = palette::MID_GREY;
-const FRONT_LINE: Stroke = Stroke { color: palette::BLUE, width: 1.8, line: Line::Solid };
-const TARGET_LINE: Stroke = Stroke { color: palette::VERMILLION, width: 1.6, line: Line::Dashed };
+const FRONT_LINE: Stroke = Stroke { color: palette::BLUE, width: 1.8, line: LineStyle::Solid };
+const TARGET_LINE: Stroke = Stroke { color: palette::VERMILLION, width: 1.6, line: LineStyle::Dashed };
 const LEADER: Stroke = Stroke::solid(palette::GREY, 0.8);
 
 /// A point to draw.

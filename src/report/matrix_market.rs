@@ -1,6 +1,6 @@
 //! Matrix Market files of the system matrices, and the sidecar that names their rows.
 
-use crate::analysis::matrices::{PhysicalMatrix, Row};
+use crate::analysis::matrices::{MatrixRow, PhysicalMatrix};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -23,7 +23,7 @@ pub fn text(matrix: &PhysicalMatrix, title: &str) -> String {
 }
 
 /// What each row (and column) stands for, and what each file holds.
-pub fn sidecar(rows: &[Row], matrices: &[PhysicalMatrix], sha256: &str) -> Value {
+pub fn sidecar(rows: &[MatrixRow], matrices: &[PhysicalMatrix], sha256: &str) -> Value {
     json!({
         "rotor": env!("CARGO_PKG_VERSION"),
         "case_sha256": sha256,

@@ -26,7 +26,7 @@ enum BodyForces<'a> {
 }
 
 /// One body among the coordinates.
-struct Part<'a> {
+struct BodyPart<'a> {
     body: &'a Body,
     first: usize,
     per_node: usize,
@@ -37,7 +37,7 @@ struct Part<'a> {
 pub struct Bodies<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    parts: Vec<Part<'a>>,
+    parts: Vec<BodyPart<'a>>,
     size: usize,
     /// Unknown of each coordinate.
     unknown: Vec<Option<usize>>,
@@ -61,7 +61,7 @@ pub fn assemblies(scene: &Scene) -> Vec<Option<Assembly<'_>>> {
 
 /// Kinetic energy and momenta of a motion.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Motion {
+pub struct RigidMotion {
     /// J.
     pub kinetic: f64,
     /// kg m/s.
@@ -89,7 +89,7 @@ impl<'a> Bodies<'a> {
                 }
                 (Beam::Spatial(_), None) => continue,
             };
-            parts.push(Part { body, first: size, per_node, forces });
+            parts.push(BodyPart { body, first: size, per_node, forces });
             size += body.nodes() * per_node;
         }
         let mut held = vec![false; size];
@@ -356,7 +356,7 @@ impl<'a> Bodies<'a> {
     /// Bound of the angular frequencies of planar bodies as they are placed, rad/s: the largest of an element alone,
     /// `K_e x = w^2 M_e x`, which no assembly of such elements exceeds (Irons and Treharne 1971).
     pub fn fastest_vibration(&self) -> f64 {
-        let of_part = |part: &Part<'_>| {
+        let of_part = |part: &BodyPart<'_>| {
             let BodyForces::Planar(element) = &part.forces else { return 0.0 };
             let mut k = vec![0.0; SIZE * SIZE];
             let q = &self.reference[part.first..part.first + SIZE];
@@ -477,7 +477,7 @@ impl<'a> Bodies<'a> {
     /// `- p int L n dA` on the curve of a face: with the tangent t = (t1, t2) of a counter-clockwise boundary `n ds = (t2, -t1)`.
     fn pressure(
         &self,
-        curve: &Curve,
+        curve: &CurvePoints,
         pressure: f64,
         q: &[f64],
         force: &mut [f64],
@@ -510,7 +510,7 @@ impl<'a> Bodies<'a> {
     }
 
     /// The curves of a face of a planar body, counter-clockwise about it.
-    pub fn face(&self, body: usize, face: Face) -> Vec<Curve> {
+    pub fn face(&self, body: usize, face: Face) -> Vec<CurvePoints> {
         let part = &self.parts[body];
         let half = part.body.height / 2.0;
         let at = |node: usize, height: f64| CurvePoint { node: self.node(body, node), height };
@@ -524,12 +524,12 @@ impl<'a> Bodies<'a> {
     }
 
     /// Kinetic energy and momenta of planar bodies.
-    pub fn motion(&self, q: &[f64], v: &[f64]) -> Motion {
+    pub fn motion(&self, q: &[f64], v: &[f64]) -> RigidMotion {
         let mut momentum = vec![0.0; self.size];
         self.mass_times(v, &mut momentum);
-        let mut motion = Motion {
+        let mut motion = RigidMotion {
             kinetic: 0.5 * v.iter().zip(&momentum).map(|(v, p)| v * p).sum::<f64>(),
-            ..Motion::default()
+            ..RigidMotion::default()
         };
         for node in (0..self.size).step_by(planar_2322s::PER_NODE) {
             let (q, p) = (&q[node..node + 4], &momentum[node..node + 4]);
@@ -551,7 +551,7 @@ pub struct CurvePoint {
 }
 
 /// Three points of a quadratic curve at -1, 0, 1.
-pub type Curve = [CurvePoint; 3];
+pub type CurvePoints = [CurvePoint; 3];
 
 impl CurvePoint {
     /// `r + y r_,y`.

@@ -22,7 +22,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 /// A boundary point: what it takes of the vectors behind it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Point {
+pub struct SurfacePoint {
     /// First coordinate of each vector, and its weight: plain, by the first and second parameter a and b, by aa, ab, bb.
     pub vectors: Vec<(usize, [f64; 6])>,
 }
@@ -31,7 +31,7 @@ pub struct Point {
 const FIRST: [usize; 2] = [1, 2];
 const SECOND: [[usize; 2]; 2] = [[3, 4], [4, 5]];
 
-impl Point {
+impl SurfacePoint {
     /// `sum w v`, of the weight of that index; `components` per vector (2 in the plane).
     pub fn sum(&self, q: &[f64], index: usize, components: usize) -> Vector3<f64> {
         let mut x = Vector3::zeros();
@@ -63,9 +63,9 @@ pub struct Gap {
     /// What the distance is multiplied by: 1 but on the way out past an end of the master.
     pub scale: f64,
     /// The point that may penetrate.
-    pub slave: Point,
+    pub slave: SurfacePoint,
     /// The nearest point of the other boundary.
-    pub master: Point,
+    pub master: SurfacePoint,
     /// What the gap is stationary in.
     pub free: Free,
 }

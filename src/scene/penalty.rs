@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 /// What meets what.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Model {
+pub enum ContactModel {
     /// Corners, or round beams that cross.
     PointToPoint,
     /// A corner, or a node of a side, and a side or an end face.
@@ -18,7 +18,7 @@ pub enum Model {
     LineToLine,
 }
 
-impl Model {
+impl ContactModel {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::PointToPoint, Self::PointToSegment, Self::LineToLine];
 
@@ -34,7 +34,7 @@ impl Model {
 
 /// A gap that a spring closes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Spring {
+pub struct ContactSpring {
     /// Energy is `weight g^2/2`, N/m.
     pub weight: f64,
     /// Slave body and master body.
@@ -42,12 +42,12 @@ pub struct Spring {
     /// Positions along the axes of both, m.
     pub positions: [f64; 2],
     /// What meets what.
-    pub model: Model,
+    pub model: ContactModel,
     /// The gap.
     pub gap: Gap,
 }
 
-impl Spring {
+impl ContactSpring {
     /// Its bodies, the smaller index first.
     pub fn pair(&self) -> (usize, usize) {
         (self.bodies.0.min(self.bodies.1), self.bodies.0.max(self.bodies.1))
@@ -118,7 +118,7 @@ fn add_product(block: &mut DMatrix<f64>, a: &[f64], b: &[(usize, f64)]) {
 /// Adds `dV/dq` to `force` and `d^2 V/dq^2` to the entries of the unknowns; returns V, J. A spring at a gap of zero has its
 /// stiffness already.
 pub fn add(
-    springs: &[Spring],
+    springs: &[ContactSpring],
     q: &[f64],
     components: usize,
     unknown: &[Option<usize>],
@@ -149,11 +149,11 @@ pub fn add(
 
 /// A spring between two states: its gap at either end, and halfway.
 #[derive(Debug, Clone)]
-pub struct Stroke {
+pub struct SpringStroke {
     /// Number of its probe.
     pub probe: usize,
     /// Halfway.
-    pub middle: Spring,
+    pub middle: ContactSpring,
     /// Gap at the first state, m.
     pub before: f64,
     /// At the second.
@@ -187,7 +187,7 @@ impl Average {
 /// Least `|d|^2` of a stroke that turns its force, m^2.
 const MOVED: f64 = 1e-30;
 
-impl Stroke {
+impl SpringStroke {
     /// Compression energy at the second state, J.
     pub fn energy(&self) -> f64 {
         0.5 * self.middle.weight * self.after.min(0.0).powi(2)
@@ -215,14 +215,14 @@ impl Stroke {
 }
 
 /// `dg/dq` of a stroke at its second state.
-pub type GapGradient<'a> = &'a dyn Fn(&Stroke) -> Vec<(usize, f64)>;
+pub type GapGradient<'a> = &'a dyn Fn(&SpringStroke) -> Vec<(usize, f64)>;
 
 /// Adds the force whose work between the states is the change of the energy and, where it is wanted, its derivative by the second
 /// state (up to the change of the weights in a correction of third order) to `tangent`.
 ///
-/// The force is `phi D`, `D = (S - M)(x)(n + s d/|d|^2)`, as in [`Stroke::average`].
+/// The force is `phi D`, `D = (S - M)(x)(n + s d/|d|^2)`, as in [`SpringStroke::average`].
 pub fn add_average(
-    strokes: &[Stroke],
+    strokes: &[SpringStroke],
     q: [&[f64]; 3],
     components: usize,
     force: &mut [f64],

@@ -8,11 +8,11 @@ use crate::element::basis::{derivative, evaluate, lagrange};
 use crate::element::quadrature::gauss;
 use crate::model::scene::Beam;
 use crate::scene::bodies::Bodies;
-use crate::scene::gap::{Free, Gap, Point};
+use crate::scene::gap::{Free, Gap, SurfacePoint};
 use crate::scene::near_pairs::{Aabb, OrientedBox, bezier, bezier_cubic, near_pairs};
-use crate::scene::penalty::{Model, Spring};
+use crate::scene::penalty::{ContactModel, ContactSpring};
 use crate::scene::planar::overlap::rods;
-use crate::scene::planar::probes::{Counts, Key, slave_of};
+use crate::scene::planar::probes::{Key, SearchCounts, slave_of};
 use crate::section::basis::exponents;
 use nalgebra::{DVector, Vector3};
 use std::collections::BTreeMap;
@@ -32,7 +32,7 @@ const MARGIN: f64 = 1.0;
 const SAMPLES: usize = 9;
 
 /// What places a body's surface.
-struct Surface {
+struct RoundSurface {
     elements: usize,
     degree: usize,
     length: f64,
@@ -60,18 +60,18 @@ struct Meeting {
 }
 
 /// Detection between spatial bodies.
-pub struct Search {
-    surfaces: Vec<Surface>,
+pub struct SpatialSearch {
+    surfaces: Vec<RoundSurface>,
     /// Per pair (slave, master): elements of the slave with the near elements of the master.
     near: BTreeMap<(usize, usize), BTreeMap<usize, Vec<usize>>>,
     meetings: BTreeMap<(usize, usize), Meeting>,
     built: Vec<f64>,
     margin: f64,
     /// What it did.
-    pub counts: Counts,
+    pub counts: SearchCounts,
 }
 
-impl Search {
+impl SpatialSearch {
     /// Watches the bodies.
     pub fn new(bodies: &Bodies<'_>) -> Self {
         let surface = |body: &crate::model::scene::Body| {
@@ -84,7 +84,7 @@ impl Search {
             let plain = lagrange(body.degree());
             let first: Vec<Vec<f64>> = plain.iter().map(|l| derivative(l)).collect();
             let second = first.iter().map(|l| derivative(l)).collect();
-            Surface {
+            RoundSurface {
                 elements: body.elements,
                 degree: body.degree(),
                 length: body.length,
@@ -100,7 +100,7 @@ impl Search {
             meetings: BTreeMap::new(),
             built: Vec::new(),
             margin: -1.0,
-            counts: Counts::default(),
+            counts: SearchCounts::default(),
         }
     }
 
@@ -160,7 +160,7 @@ impl Search {
     }
 
     /// All springs with a gap below `limit` (m) in the state `q`, with a number of their own.
-    pub fn springs(&mut self, bodies: &Bodies<'_>, q: &[f64], limit: f64) -> Vec<(Key, Spring)> {
+    pub fn springs(&mut self, bodies: &Bodies<'_>, q: &[f64], limit: f64) -> Vec<(Key, ContactSpring)> {
         let scene = bodies.scene;
         let mut list = Vec::new();
         let mut number = 0;
@@ -185,7 +185,13 @@ impl Search {
                     let weight = scene.point_penalty(slave, scene.penalty(slave, master));
                     list.push((
                         (number, 0, master),
-                        Spring { weight, bodies: pair, positions, model: Model::PointToPoint, gap },
+                        ContactSpring {
+                            weight,
+                            bodies: pair,
+                            positions,
+                            model: ContactModel::PointToPoint,
+                            gap,
+                        },
                     ));
                 }
                 continue;
@@ -209,7 +215,13 @@ impl Search {
                             let positions = [s.position(s_at), m.position(m_at)];
                             list.push((
                                 (number, 0, master),
-                                Spring { weight, bodies: pair, positions, model: Model::LineToLine, gap },
+                                ContactSpring {
+                                    weight,
+                                    bodies: pair,
+                                    positions,
+                                    model: ContactModel::LineToLine,
+                                    gap,
+                                },
                             ));
                         }
                     }
@@ -373,7 +385,7 @@ impl Search {
     }
 }
 
-impl Surface {
+impl RoundSurface {
     /// Position along the axis, m.
     fn position(&self, at: Place) -> f64 {
         (at.element as f64 + (at.xi + 1.0) / 2.0) * self.length / self.elements as f64
@@ -420,7 +432,7 @@ impl Surface {
     }
 
     /// A surface point with its derivatives by xi and theta.
-    fn point(&self, bodies: &Bodies<'_>, body: usize, at: Place) -> Point {
+    fn point(&self, bodies: &Bodies<'_>, body: usize, at: Place) -> SurfacePoint {
         let (sin, cos) = at.theta.sin_cos();
         let rho = self.radius / self.reference;
         let (eta, zeta) = (rho * cos, rho * sin);
@@ -449,7 +461,7 @@ impl Surface {
                 vectors.push((first + 3 * k, [l * f, d * f, l * f1, c * f, d * f1, l * f2]));
             }
         }
-        Point { vectors }
+        SurfacePoint { vectors }
     }
 
     /// Points whose hull holds an element: the Bezier points of lines along its surface, moved outwards so that their polygon is

@@ -30,11 +30,11 @@ const HALVINGS: usize = 44;
 /// y and z of the axis vector and of R r_,y and R r_,z, or anything conjugate to them.
 pub type Vector = SVector<f64, 6>;
 /// Derivative of a [`Vector`] by another.
-pub type Matrix = SMatrix<f64, 6, 6>;
+pub type PlaneMatrix = SMatrix<f64, 6, 6>;
 
 /// What a ring does at a gap and a slip.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Law {
+pub struct RubLaw {
     /// Radial play d, m.
     pub clearance: f64,
     /// Force per penetration k, N/m.
@@ -55,10 +55,10 @@ struct Directions {
     /// t in the first two entries; the slip is `tangent . q'`.
     tangent: Vector,
     /// Derivative of `tangent` by the place.
-    turning: Matrix,
+    turning: PlaneMatrix,
 }
 
-impl Law {
+impl RubLaw {
     /// Gap `d - rho`, m; `place` as in [`Self::contact`].
     pub fn gap(&self, place: &Vector) -> f64 {
         self.clearance - place[0].hypot(place[1])
@@ -86,10 +86,10 @@ impl Law {
     }
 
     /// Derivatives of [`Self::force`] by place and by rate; zero when the gap is open.
-    pub fn tangents(&self, place: &Vector, rate: &Vector) -> [Matrix; 2] {
+    pub fn tangents(&self, place: &Vector, rate: &Vector) -> [PlaneMatrix; 2] {
         let contact = self.contact(place, rate);
         if contact.normal_force == 0.0 {
-            return [Matrix::zeros(); 2];
+            return [PlaneMatrix::zeros(); 2];
         }
         let Directions { rho, normal, tangent, turning } = self.directions(place);
         let RubContact { normal_force, friction_force, slip, .. } = contact;
@@ -128,11 +128,11 @@ impl Law {
 
 /// A ring around a node.
 #[derive(Debug, Clone)]
-pub struct Ring {
+pub struct StatorRing {
     /// Node of the shaft.
     pub node: usize,
     /// Radial play, stiffness and friction, from which gap and forces follow.
-    pub law: Law,
+    pub law: RubLaw,
     /// The displacement u and the vectors R r_,y and R r_,z as sums over vectors of the node: first coordinate
     /// and weight of each.
     pub rows: [Vec<(usize, f64)>; 3],
@@ -142,12 +142,12 @@ pub struct Ring {
     across: [Vec<(usize, f64)>; 2],
 }
 
-impl Ring {
+impl StatorRing {
     /// The ring of a stator around a shaft that turns with at most `largest_speed`, rad/s. A shaft that never turns
     /// stays at rest, whatever its friction.
     pub fn new(assembly: &Assembly<'_>, stator: &Stator, largest_speed: f64) -> Self {
         let fastest = if largest_speed > 0.0 { largest_speed } else { 1.0 };
-        let law = Law {
+        let law = RubLaw {
             clearance: stator.clearance,
             stiffness: stator.stiffness,
             friction: stator.friction,
@@ -176,8 +176,8 @@ impl Ring {
     }
 
     /// Path of u within a step of length h, s, from displacements, velocities and accelerations at both ends.
-    pub fn path(&self, h: f64, ends: [[&[f64]; 3]; 2]) -> Path {
-        Path::new(h, ends.map(|end| end.map(|list| self.place(list))))
+    pub fn path(&self, h: f64, ends: [[&[f64]; 3]; 2]) -> AxisPath {
+        AxisPath::new(h, ends.map(|end| end.map(|list| self.place(list))))
     }
 
     /// y and z of the axis vector and of R r_,y and R r_,z.
@@ -199,7 +199,7 @@ impl Ring {
 
 /// A ring in contact.
 #[derive(Debug, Clone, Copy)]
-pub struct Touch {
+pub struct RubTouch {
     /// Index of the ring among those of the shaft.
     pub ring: usize,
     /// Place of the shaft in the ring: y and z of u, R r_,y and R r_,z, m.
@@ -212,9 +212,9 @@ pub struct Touch {
 /// points `b_k` of `u(s) = sum_k B_k(s) b_k` over Bernstein's polynomials of degree five, s from 0 to 1. As these are positive
 /// and sum to one, the path stays within the largest `|b_k|`. Source: Farin, Curves and Surfaces for CAGD, chapters 4 and 5.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Path([Vector2<f64>; 6]);
+pub struct AxisPath([Vector2<f64>; 6]);
 
-impl Path {
+impl AxisPath {
     /// The path in a step of length h, s, with place (m), velocity and acceleration at start and end.
     pub fn new(h: f64, [[u0, v0, a0], [u1, v1, a1]]: [[Vector2<f64>; 3]; 2]) -> Self {
         let (slope, curve) = (h / 5.0, h * h / 20.0);
@@ -289,13 +289,13 @@ impl Path {
 #[derive(Debug, Clone, Default)]
 pub struct Rub {
     /// Every ring around the shaft, in the order of the case.
-    pub rings: Vec<Ring>,
+    pub rings: Vec<StatorRing>,
     /// Looks at gaps: searches of paths that may reach a ring, and evaluations with a ring that acts.
     pub gap_checks: usize,
     /// Evaluations of the equations with contact.
     pub contact_evaluations: usize,
     /// Contacts at the last evaluation.
-    pub touching: Vec<Touch>,
+    pub touching: Vec<RubTouch>,
 }
 
 impl Rub {
@@ -344,7 +344,7 @@ impl Rub {
             if contact.normal_force > 0.0 {
                 ring.scatter(-1.0, &ring.law.force(&place, &contact), out_of_balance);
                 power -= contact.friction_force * contact.slip;
-                self.touching.push(Touch { ring: index, place, rate });
+                self.touching.push(RubTouch { ring: index, place, rate });
             }
         }
         self.contact_evaluations += usize::from(!self.touching.is_empty());
@@ -353,7 +353,7 @@ impl Rub {
 
     /// Gap of every ring, and force and slip at those that act.
     pub fn contacts(&self, position: &[f64], velocity: &[f64]) -> Vec<RubContact> {
-        let one = |ring: &Ring| {
+        let one = |ring: &StatorRing| {
             let place = ring.gather(position);
             match ring.acts {
                 true => ring.law.contact(&place, &ring.gather(velocity)),
@@ -365,8 +365,9 @@ impl Rub {
 
     /// Energy `k g^2 / 2` of the penetrated rings that act, J.
     pub fn energy(&self, position: &[f64]) -> f64 {
-        let one =
-            |ring: &Ring| ring.law.stiffness * ring.law.gap(&ring.gather(position)).min(0.0).powi(2) / 2.0;
+        let one = |ring: &StatorRing| {
+            ring.law.stiffness * ring.law.gap(&ring.gather(position)).min(0.0).powi(2) / 2.0
+        };
         // a plain sum over no rings is -0
         self.rings.iter().filter(|ring| ring.acts).map(one).fold(0.0, |sum, e| sum + e)
     }
@@ -383,7 +384,7 @@ mod tests {
         // y = 4 rise s (1 - s), z = 0
         let (v, a) = (4.0 * rise / h, -8.0 * rise / (h * h));
         let at = |x: f64| Vector2::new(0.0, x);
-        let path = Path::new(h, [[at(0.0), at(v), at(a)], [at(0.0), at(-v), at(a)]]);
+        let path = AxisPath::new(h, [[at(0.0), at(v), at(a)], [at(0.0), at(-v), at(a)]]);
         assert!((path.radius(0.5) - rise).abs() < 1e-15 && path.bound() >= rise);
         for depth in [1e-3, 1e-6, 1e-9] {
             let d = rise * (1.0 - depth);

@@ -16,7 +16,7 @@ use crate::plot;
 use crate::report::table;
 use crate::results::{LeftOut, Machine, ModelSummary, Modelled};
 use crate::run::{self, Finished};
-use crate::study::design::{Measured, Reference, Settings, Subject};
+use crate::study::design::{ComparedWith, Measured, PointSettings, Subject};
 use crate::validate::filter_name;
 use process::{Ended, Task};
 use serde_json::Value;
@@ -34,7 +34,7 @@ const SLOW: f64 = 10.0;
 #[derive(Debug, Clone)]
 pub struct PlannedPoint {
     /// Settings by path.
-    pub settings: Settings,
+    pub settings: PointSettings,
     /// The case with these settings, without the study.
     pub case: Value,
     /// What it is kept under.
@@ -46,7 +46,7 @@ pub struct PlannedPoint {
 pub struct Plan {
     /// The block of the case.
     block: TradeoffInput,
-    reference: Reference,
+    reference: ComparedWith,
     machine: Machine,
     file: String,
     /// The points, in the order of the grid.
@@ -160,7 +160,7 @@ fn missing_block(loaded: &LoadedCase) -> Error {
 }
 
 /// The case with the settings of a point.
-fn with(loaded: &LoadedCase, analysis: Analysis, settings: &Settings) -> Result<LoadedCase> {
+fn with(loaded: &LoadedCase, analysis: Analysis, settings: &PointSettings) -> Result<LoadedCase> {
     for (path, value) in settings {
         if let Some(why) = without_effect(path, analysis) {
             return Err(grid_fault(loaded, path, value, why, "paths of what the analysis computes with"));
@@ -173,7 +173,7 @@ fn with(loaded: &LoadedCase, analysis: Analysis, settings: &Settings) -> Result<
     };
     // the path that is wrong on its own, else the first of the combination
     for (path, value) in settings {
-        let alone = Settings::from_iter([(path.clone(), value.clone())]);
+        let alone = PointSettings::from_iter([(path.clone(), value.clone())]);
         if let Err(error) = loaded.with(&alone) {
             return Err(in_grid(loaded, path, value, error));
         }
@@ -193,7 +193,7 @@ struct Unfit {
 
 impl Unfit {
     /// Builds the model of a point, which costs nothing beside its run.
-    fn look(&mut self, case: &LoadedCase, settings: &Settings) {
+    fn look(&mut self, case: &LoadedCase, settings: &PointSettings) {
         let built = if case.case.kind() == CaseKind::Scene {
             Scene::new(case).map(drop)
         } else {
@@ -218,8 +218,8 @@ impl Unfit {
 }
 
 /// The settings that a case knows: `mesh` as the numbers of elements of all segments or bodies.
-fn written_out(loaded: &LoadedCase, settings: &Settings) -> Result<Settings> {
-    let mut all = Settings::new();
+fn written_out(loaded: &LoadedCase, settings: &PointSettings) -> Result<PointSettings> {
+    let mut all = PointSettings::new();
     for (path, value) in settings {
         if path != "mesh" {
             all.insert(path.clone(), value.clone());
@@ -288,12 +288,12 @@ fn in_grid(loaded: &LoadedCase, path: &str, value: &Value, error: Error) -> Erro
 }
 
 /// What the quantity is compared with.
-fn reference(loaded: &LoadedCase, block: &TradeoffInput) -> Result<Reference> {
-    use crate::case::Reference as Wanted;
+fn reference(loaded: &LoadedCase, block: &TradeoffInput) -> Result<ComparedWith> {
+    use crate::case::StudyReference as Wanted;
     let fault = |problem: String, allowed: &str| Err(loaded.fault("tradeoff.reference", problem, allowed));
     let found = match block.reference {
-        Wanted::Finest => return Ok(Reference::Finest),
-        Wanted::Value(value) => Reference::Number(value),
+        Wanted::Finest => return Ok(ComparedWith::Finest),
+        Wanted::Value(value) => ComparedWith::Number(value),
         Wanted::Expected => {
             let analysis = block.analysis;
             let fits = loaded.case.expected.iter().filter(|e| {
@@ -312,7 +312,7 @@ fn reference(loaded: &LoadedCase, block: &TradeoffInput) -> Result<Reference> {
                     );
                 }
                 [(value, source), rest @ ..] if rest.iter().all(|(other, _)| other == value) => {
-                    Reference::Expected(*value, (*source).clone())
+                    ComparedWith::Expected(*value, (*source).clone())
                 }
                 several => {
                     let values: Vec<String> = several.iter().map(|(v, _)| v.to_string()).collect();
@@ -325,7 +325,7 @@ fn reference(loaded: &LoadedCase, block: &TradeoffInput) -> Result<Reference> {
         }
     };
     match found {
-        Reference::Number(0.0) | Reference::Expected(0.0, _) => {
+        ComparedWith::Number(0.0) | ComparedWith::Expected(0.0, _) => {
             fault("no error is relative to zero".to_owned(), "a number other than zero, or another quantity")
         }
         found => Ok(found),
@@ -356,7 +356,7 @@ pub fn measure(
     progress: &(dyn Fn(usize, &str) + Sync),
 ) -> Result<Measurements> {
     let store = Store::open(&conditions.folder)?;
-    let settings: Vec<&Settings> = plan.points.iter().map(|p| &p.settings).collect();
+    let settings: Vec<&PointSettings> = plan.points.iter().map(|p| &p.settings).collect();
     let names = design::names(&settings);
     let enough =
         |runs: &[f64]| runs.len() >= plan.block.repeats as usize || runs.first().is_some_and(|w| *w > SLOW);

@@ -3,7 +3,7 @@
 use crate::case::TradeoffInput;
 use crate::error::{Error, Result};
 use crate::report::{files, json};
-use crate::study::design::{Measurement, Settings};
+use crate::study::design::{Measurement, PointSettings};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -78,7 +78,7 @@ impl Store {
     ///
     /// # Errors
     /// A file that can't be written.
-    pub fn write(&self, key: &str, settings: &Settings, outcome: &PointOutcome) -> Result<()> {
+    pub fn write(&self, key: &str, settings: &PointSettings, outcome: &PointOutcome) -> Result<()> {
         let mut value = json!({ "key": key, "rotor": env!("CARGO_PKG_VERSION"), "settings": settings });
         match outcome {
             Ok(found) => {
@@ -118,7 +118,7 @@ mod tests {
             left_out: Vec::new(),
         };
         for outcome in [Ok(found), Err("no convergence".to_owned())] {
-            store.write("0123", &Settings::new(), &outcome).unwrap();
+            store.write("0123", &PointSettings::new(), &outcome).unwrap();
             assert_eq!(store.read("0123"), Some(outcome));
         }
         assert_eq!(store.read("4567"), None);

@@ -11,8 +11,8 @@ use rotor::linalg::lu::Entries;
 use rotor::model::scene::Scene;
 use rotor::results::{Contact, LeftOut};
 use rotor::scene::bodies::{Bodies, assemblies};
-use rotor::scene::penalty::{Model, Spring, add};
-use rotor::scene::planar::probes::Search;
+use rotor::scene::penalty::{ContactModel, ContactSpring, add};
+use rotor::scene::planar::probes::PlanarSearch;
 use rotor::scene::spatial;
 use serde_json::{Value, json};
 
@@ -70,8 +70,8 @@ fn deformed(bodies: &Bodies<'_>, angle: f64, size: f64) -> Vec<f64> {
 }
 
 /// Springs of a planar scene in a state.
-fn springs(bodies: &Bodies<'_>, q: &[f64]) -> Vec<Spring> {
-    let mut search = Search::new(bodies);
+fn springs(bodies: &Bodies<'_>, q: &[f64]) -> Vec<ContactSpring> {
+    let mut search = PlanarSearch::new(bodies);
     search.prepare(bodies, q, &vec![0.0; q.len()], 1.0);
     search.springs(bodies, q, 0.0).into_iter().map(|(_, s)| s).collect()
 }
@@ -79,7 +79,7 @@ fn springs(bodies: &Bodies<'_>, q: &[f64]) -> Vec<Spring> {
 /// Energy, force and its products with a direction, of springs.
 fn enforce(
     bodies: &Bodies<'_>,
-    springs: &[Spring],
+    springs: &[ContactSpring],
     q: &[f64],
     direction: &[f64],
 ) -> (f64, Vec<f64>, Vec<f64>) {
@@ -102,7 +102,7 @@ fn check_derivatives(
     bodies: &Bodies<'_>,
     q: &[f64],
     step: f64,
-    found: &mut dyn FnMut(&[f64]) -> Vec<Spring>,
+    found: &mut dyn FnMut(&[f64]) -> Vec<ContactSpring>,
 ) {
     let d = direction(q.len());
     let here = found(q);
@@ -160,11 +160,12 @@ fn spatial_force_and_tangent_are_derivatives() {
             let bodies = Bodies::new(&scene, &shafts).expect("bodies");
             let mut q = bodies.reference().to_vec();
             q.iter_mut().enumerate().for_each(|(k, q)| *q += 2e-5 * (1.7 * k as f64).sin());
-            let mut search = spatial::Search::new(&bodies);
+            let mut search = spatial::SpatialSearch::new(&bodies);
             search.update(&bodies, &q);
-            let mut found = |q: &[f64]| -> Vec<Spring> {
-                let list: Vec<Spring> = search.springs(&bodies, q, 0.0).into_iter().map(|(_, s)| s).collect();
-                assert!(list.iter().all(|s| (s.model == Model::LineToLine) != at_point));
+            let mut found = |q: &[f64]| -> Vec<ContactSpring> {
+                let list: Vec<ContactSpring> =
+                    search.springs(&bodies, q, 0.0).into_iter().map(|(_, s)| s).collect();
+                assert!(list.iter().all(|s| (s.model == ContactModel::LineToLine) != at_point));
                 // one spring four times, so that there is something to sum
                 if at_point { [&list[..], &list, &list, &list].concat() } else { list }
             };

@@ -6,7 +6,7 @@ use ode_solvers::{DVector, Dopri5, OutputType, System};
 use rotor::analysis::spinup::spinup;
 use rotor::case::LoadedCase;
 use rotor::integrate::implicit::Scheme;
-use rotor::integrate::{Method, Moment, Progress, Settings, integrate};
+use rotor::integrate::{IntegratorSettings, Method, Moment, Progress, integrate};
 use rotor::model::{Frame, Model};
 use rotor::results::Spinup;
 use rotor::shaft::assembly::Assembly;
@@ -49,7 +49,7 @@ fn end(model: &Model, frame: Frame, method: Method, tolerance: f64) -> (Vec<f64>
     let mut start = Moment { t: 0.0, z: vec![0.0; n], v: vec![0.0; n], a: vec![0.0; n] };
     let rest = start.clone();
     dynamics.acceleration(0.0, &rest.z, &rest.v, &mut start.a);
-    let settings = Settings {
+    let settings = IntegratorSettings {
         method,
         rtol: tolerance,
         atol: tolerance * 1e-3,

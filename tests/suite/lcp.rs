@@ -3,7 +3,7 @@
 use faer::Mat;
 use proptest::prelude::RngExt;
 use proptest::test_runner::{RngAlgorithm, TestRng};
-use rotor::linalg::lcp::{Failure, lemke};
+use rotor::linalg::lcp::{LcpFailure, lemke};
 
 fn random() -> TestRng {
     TestRng::deterministic_rng(RngAlgorithm::ChaCha)
@@ -161,10 +161,10 @@ fn nearly_redundant_problems() {
 
 #[test]
 fn a_problem_without_a_solution_ends_on_a_ray() {
-    assert_eq!(lemke(matrix([[0.0; 2]; 2]).as_ref(), &[-1.0, 1.0], 10), Err(Failure::Ray));
+    assert_eq!(lemke(matrix([[0.0; 2]; 2]).as_ref(), &[-1.0, 1.0], 10), Err(LcpFailure::Ray));
     // two contacts that can't both open: w1 + w2 = -1
     let n = matrix([[1.0, -1.0], [-1.0, 1.0]]);
-    assert_eq!(lemke(n.as_ref(), &[-2.0, 1.0], 10), Err(Failure::Ray));
+    assert_eq!(lemke(n.as_ref(), &[-2.0, 1.0], 10), Err(LcpFailure::Ray));
     // but w1 + w2 = 0 is just possible, with z1 - z2 = 2
     let z = lemke(n.as_ref(), &[-2.0, 2.0], 10).unwrap();
     assert!((z[0] - z[1] - 2.0).abs() < 1e-12, "{z:?}");
@@ -173,12 +173,12 @@ fn a_problem_without_a_solution_ends_on_a_ray() {
 #[test]
 fn too_few_pivots_and_useless_values_are_errors() {
     let n = matrix([[2.0, 1.0], [1.0, 2.0]]);
-    assert_eq!(lemke(n.as_ref(), &[-5.0, -6.0], 1), Err(Failure::Limit));
+    assert_eq!(lemke(n.as_ref(), &[-5.0, -6.0], 1), Err(LcpFailure::Limit));
     near(&lemke(n.as_ref(), &[-5.0, -6.0], 2).unwrap(), &[4.0 / 3.0, 7.0 / 3.0]);
-    assert_eq!(lemke(n.as_ref(), &[-5.0, f64::NAN], 10), Err(Failure::NotFinite));
-    assert_eq!(lemke(matrix([[f64::INFINITY]]).as_ref(), &[1.0], 10), Err(Failure::NotFinite));
+    assert_eq!(lemke(n.as_ref(), &[-5.0, f64::NAN], 10), Err(LcpFailure::NotFinite));
+    assert_eq!(lemke(matrix([[f64::INFINITY]]).as_ref(), &[1.0], 10), Err(LcpFailure::NotFinite));
     // the answer itself, 1e500, is beyond all numbers
-    assert_eq!(lemke(matrix([[1e-250]]).as_ref(), &[-1e250], 10), Err(Failure::NotFinite));
+    assert_eq!(lemke(matrix([[1e-250]]).as_ref(), &[-1e250], 10), Err(LcpFailure::NotFinite));
 }
 
 #[test]

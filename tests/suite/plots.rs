@@ -430,7 +430,7 @@ fn curves_keep_fractions_of_a_pixel() {
 
 /// A study of `members` elements on `meshes` meshes, and whether the errors crowd together.
 fn study(members: usize, meshes: usize, crowded: bool, target: Option<f64>) -> Report<Tradeoff> {
-    use rotor::study::design::{Measured, Measurement, Reference, Subject, tradeoff};
+    use rotor::study::design::{ComparedWith, Measured, Measurement, Subject, tradeoff};
     let mut points = Vec::new();
     for member in 0..members {
         for mesh in 0..meshes {
@@ -459,7 +459,7 @@ fn study(members: usize, meshes: usize, crowded: bool, target: Option<f64>) -> R
         machine: Machine { processor: "A processor".to_owned(), cores: 2 },
         repeats: 3,
         points_at_a_time: 1,
-        reference: Reference::Number(2.0),
+        reference: ComparedWith::Number(2.0),
         target,
     };
     let (results, diagnostics) = tradeoff(&subject, &points);

@@ -7,18 +7,19 @@ use rotor::analysis::Outcome;
 use rotor::analysis::spinup::spinup;
 use rotor::case::LoadedCase;
 use rotor::integrate::implicit::Scheme;
-use rotor::integrate::{Method, Moment, Settings, integrate};
+use rotor::integrate::{IntegratorSettings, Method, Moment, integrate};
 use rotor::model::Frame;
 use rotor::results::{Modelled, RubContact, RubEventKind, Spinup, StatorSummary};
 use rotor::run::{Analysis, Host, run as whole};
 use rotor::shaft::assembly::Assembly;
 use rotor::shaft::drive::Drive;
 use rotor::shaft::motion::Dynamics;
-use rotor::shaft::stator_ring::{Law, Matrix, Vector};
+use rotor::shaft::stator_ring::{PlaneMatrix, RubLaw, Vector};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 
-const RING: Law = Law { clearance: 1e-3, stiffness: 4e4, friction: 0.3, radius: 0.05, slip_speed: 0.05 };
+const RING: RubLaw =
+    RubLaw { clearance: 1e-3, stiffness: 4e4, friction: 0.3, radius: 0.05, slip_speed: 0.05 };
 
 fn run(case: &LoadedCase) -> Outcome<Spinup> {
     let model = model(case);
@@ -57,7 +58,7 @@ fn tangents_are_the_derivatives_of_the_force() {
                     (d(step) * 4.0 - d(2.0 * step)) / 3.0
                 })
                 .collect();
-            Matrix::from_columns(&columns)
+            PlaneMatrix::from_columns(&columns)
         };
         let moved = |v: &Vector, h: f64, j: usize| {
             let mut v = *v;
@@ -74,7 +75,10 @@ fn tangents_are_the_derivatives_of_the_force() {
     let open = Vector::from([0.5e-3, 0.5e-3, 0.05, 0.0, 0.0, 0.05]);
     let rate = Vector::repeat(1.0);
     assert_eq!(RING.contact(&open, &rate).normal_force, 0.0);
-    assert_eq!((force(&open, &rate), RING.tangents(&open, &rate)), (Vector::zeros(), [Matrix::zeros(); 2]));
+    assert_eq!(
+        (force(&open, &rate), RING.tangents(&open, &rate)),
+        (Vector::zeros(), [PlaneMatrix::zeros(); 2])
+    );
 }
 
 /// The torque of friction about the shaft's own axis is `- mu N R`, its power minus friction times slip, and a rotated
@@ -280,7 +284,7 @@ fn the_newton_matrix_knows_the_ring() {
         let mut start = Moment { t: 0.0, z: vec![0.0; n], v: vec![0.0; n], a: vec![0.0; n] };
         let rest = start.clone();
         dynamics.acceleration(0.0, &rest.z, &rest.v, &mut start.a);
-        let integration = Settings {
+        let integration = IntegratorSettings {
             method: Method::Implicit(Scheme::Esdirk),
             rtol: 1e-6,
             atol: 1e-9,

@@ -3,7 +3,7 @@
 use crate::common::with;
 use crate::solid::{Matter, Piece, Pull, Solid};
 use faer::Mat;
-use rotor::analysis::joint::{self, Side, missing_flexibility};
+use rotor::analysis::joint::{self, JointSide, missing_flexibility};
 use rotor::analysis::modes::modes;
 use rotor::analysis::steps::step_excess;
 use rotor::case::LoadedCase;
@@ -140,7 +140,7 @@ fn the_table_of_joints_is_solid_less_element() {
         let model = Model::new(&case).unwrap();
         let sections = [&model.sections[0], &model.sections[1]];
         for pull in [Pull::Bending, Pull::Torsion, Pull::Axial] {
-            let side = |i: usize| Side {
+            let side = |i: usize| JointSide {
                 section: sections[i],
                 basis: model.elements[0].kind.basis,
                 length: pieces[i][0],

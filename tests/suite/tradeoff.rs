@@ -6,7 +6,7 @@ use rotor::error::{Error, Refusal};
 use rotor::results::{Diagnostic, Machine, Tradeoff, Trust};
 use rotor::study;
 use rotor::study::design::{
-    Measured, Measurement, Reference, Settings, Subject, expand, is_finer, median, tradeoff,
+    ComparedWith, Measured, Measurement, PointSettings, Subject, expand, is_finer, median, tradeoff,
 };
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant, SystemTime};
 
-fn settings(element: &str, elements: u64) -> Settings {
+fn settings(element: &str, elements: u64) -> PointSettings {
     let value = json!({ "shaft.element": element, "shaft.segments.0.elements": elements });
     value.as_object().expect("object").clone()
 }
@@ -37,7 +37,7 @@ fn failed(element: &str, elements: u64) -> Measured {
     Measured { settings: settings(element, elements), outcome: Err("no convergence".to_owned()) }
 }
 
-fn judged(points: &[Measured], reference: Reference, target: Option<f64>) -> (Tradeoff, Vec<Diagnostic>) {
+fn judged(points: &[Measured], reference: ComparedWith, target: Option<f64>) -> (Tradeoff, Vec<Diagnostic>) {
     let subject = Subject {
         analysis: rotor::run::Analysis::Modes,
         quantity: "results.x".to_owned(),
@@ -54,7 +54,7 @@ fn codes(remarks: &[Diagnostic]) -> Vec<&str> {
     remarks.iter().map(|d| d.code).collect()
 }
 
-const ONE: Reference = Reference::Number(1.0);
+const ONE: ComparedWith = ComparedWith::Number(1.0);
 
 /// The finest mesh of an automatic choice is held to its estimate; coarser ones have an error of their own.
 #[test]
@@ -116,7 +116,7 @@ fn the_finest_point_is_left_out() {
         // more unknowns, but without a value
         failed("34X5", 32),
     ];
-    let (found, remarks) = judged(&points, Reference::Finest, Some(9e-3));
+    let (found, remarks) = judged(&points, ComparedWith::Finest, Some(9e-3));
     assert_eq!((found.reference.point, found.reference.value), (Some(1), Some(1.0)));
     assert_eq!(found.reference.settings, Some(settings("34X3", 16)));
     assert_eq!(found.front, [0, 2]);
@@ -137,10 +137,10 @@ fn ties_of_the_finest() {
         point
     };
     let rtol = |value: f64, found: f64| with("spinup.rtol", json!(value), found);
-    let (found, _) = judged(&[rtol(1e-4, 0.1), rtol(1e-8, 0.2), rtol(1e-6, 0.3)], Reference::Finest, None);
+    let (found, _) = judged(&[rtol(1e-4, 0.1), rtol(1e-8, 0.2), rtol(1e-6, 0.3)], ComparedWith::Finest, None);
     assert_eq!(found.reference.point, Some(1));
     let frame = |value: &str, found: f64| with("spinup.frame", json!(value), found);
-    let (found, _) = judged(&[frame("rotating", 0.1), frame("inertial", 0.2)], Reference::Finest, None);
+    let (found, _) = judged(&[frame("rotating", 0.1), frame("inertial", 0.2)], ComparedWith::Finest, None);
     assert_eq!(found.reference.point, Some(1));
 }
 
@@ -177,9 +177,9 @@ fn a_lucky_crossing_is_not_chosen() {
 fn nothing_to_compare_is_a_failure() {
     for (points, reference) in [
         (vec![failed("34X3", 4), failed("34X3", 8)], ONE),
-        (vec![failed("34X3", 4), failed("34X3", 8)], Reference::Finest),
-        (vec![point("34X3", 4, 1.0, 0.5), failed("34X3", 8)], Reference::Finest),
-        (vec![point("34X3", 4, 1.0, 0.5), point("34X3", 8, 1.0, -1.0)], Reference::Finest),
+        (vec![failed("34X3", 4), failed("34X3", 8)], ComparedWith::Finest),
+        (vec![point("34X3", 4, 1.0, 0.5), failed("34X3", 8)], ComparedWith::Finest),
+        (vec![point("34X3", 4, 1.0, 0.5), point("34X3", 8, 1.0, -1.0)], ComparedWith::Finest),
         (Vec::new(), ONE),
     ] {
         let (found, remarks) = judged(&points, reference, Some(1e-3));
@@ -605,7 +605,7 @@ fn warned(mut point: Measured) -> Measured {
 fn warnings_go_with_their_points() {
     let all: Vec<Measured> =
         [4, 8, 16].into_iter().map(|n| warned(point("34X3", n, n as f64, 1e-9 / n as f64))).collect();
-    let (found, remarks) = judged(&all, Reference::Finest, Some(1e-3));
+    let (found, remarks) = judged(&all, ComparedWith::Finest, Some(1e-3));
     assert_eq!((found.reference.value, found.choice.is_none()), (None, true));
     assert!(
         remarks
@@ -630,17 +630,17 @@ fn a_reference_has_an_error_of_its_own() {
     // second order in the mesh: 0.64 / n^2
     let points: Vec<Measured> =
         [2, 4, 8, 16].into_iter().map(|n| point("34X3", n, n as f64, 0.64 / (n * n) as f64)).collect();
-    let (found, _) = judged(&points, Reference::Finest, Some(2e-2));
+    let (found, _) = judged(&points, ComparedWith::Finest, Some(2e-2));
     let error = found.reference.error.expect("an error");
     assert!((error / 2.5e-3 - 1.0).abs() < 0.02, "{error}");
     assert_eq!(found.reference.refined, ["mesh"]);
     let choice = found.choice.expect("a choice");
     assert_eq!((choice.refined, choice.not_refined), (vec![], vec!["mesh", "section order"]));
-    let (found, remarks) = judged(&points, Reference::Finest, Some(5e-3));
+    let (found, remarks) = judged(&points, ComparedWith::Finest, Some(5e-3));
     assert!(found.choice.is_none() && codes(&remarks).contains(&"reference-too-coarse"));
     // equal values are not known better than the reference
     let lucky = [point("34X2", 16, 1.5, 1e-3), point("34X3", 8, 1.0, 0.0), point("34X3", 16, 2.0, 0.0)];
-    let (found, _) = judged(&lucky, Reference::Finest, None);
+    let (found, _) = judged(&lucky, ComparedWith::Finest, None);
     assert!((found.points[1].error.expect("an error") - 1e-3).abs() < 1e-12);
     assert_eq!(found.reference.refined, ["mesh", "section order"]);
 }

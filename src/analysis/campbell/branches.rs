@@ -6,7 +6,7 @@
 
 use crate::analysis::campbell::branch_tracking::{Continuation, follow};
 use crate::analysis::campbell::reduced_basis::{Solution, Whirling};
-use crate::analysis::campbell::{SPARE, Solver};
+use crate::analysis::campbell::{SPARE, WhirlSolver};
 use crate::analysis::character::Character;
 use crate::error::Result;
 use crate::results::{Branch, Diagnostic, ModeKind, Whirl};
@@ -67,7 +67,7 @@ struct Remarks {
     unclear: Vec<(usize, f64)>,
 }
 
-impl Solver<'_> {
+impl WhirlSolver<'_> {
     /// Follows the lowest motions at standstill through all speeds.
     ///
     /// # Errors
@@ -333,7 +333,7 @@ impl Solver<'_> {
                 .filter(|_| tracked.waves > 0)
                 .map_or(0.0, |m| self.reduced.travel_of(m) / tracked.waves as f64)
         };
-        let mut counts = Counts::default();
+        let mut counts = SenseCounts::default();
         for equal in branches.chunk_by_mut(|a, b| b.0 - a.0 <= EQUAL * b.0) {
             equal.sort_by_key(|(_, t)| (rank(t.branch.kind), t.waves));
             for alike in
@@ -387,7 +387,7 @@ impl Remarks {
 
 /// How many branches of each kind have a name.
 #[derive(Default)]
-struct Counts {
+struct SenseCounts {
     bending: usize,
     torsion: usize,
     axial: usize,
@@ -397,7 +397,7 @@ struct Counts {
     half_pair: bool,
 }
 
-impl Counts {
+impl SenseCounts {
     /// "1B" and "1F" for the first bending pair: in order of frequency, or by their sense (`forward`) where frequencies at
     /// standstill are equal. Seen from the shaft, it is the forward one that falls. Else "T1", "A2", "S1", "S2b", "R1".
     fn name(&mut self, branch: &Branch, forward: Option<bool>, rotating: bool) -> String {

@@ -1,6 +1,6 @@
 //! Critical speeds: solved directly, compared with what the sweep shows, and named by their branches.
 
-use crate::analysis::campbell::Solver;
+use crate::analysis::campbell::WhirlSolver;
 use crate::analysis::campbell::branch_tracking::{follow, most_like};
 use crate::analysis::campbell::branches::{Tracked, sense, travelling_waves};
 use crate::analysis::campbell::reduced_basis::{Solution, Whirling};
@@ -17,7 +17,7 @@ const EQUAL: f64 = 1e-8;
 /// Imbalance of a critical motion that calls for a remark.
 const IMBALANCE: f64 = 1e-3;
 
-impl Solver<'_> {
+impl WhirlSolver<'_> {
     /// Critical speeds within the sweep, from the synchronous eigenproblem where it is defined, else from
     /// the branches' crossings with the 1x line.
     pub(super) fn critical_speeds(

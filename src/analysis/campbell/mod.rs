@@ -91,7 +91,8 @@ pub fn campbell(
         None
     };
     let speeds = speeds(settings, &operators, criticals.as_ref());
-    let solver = Solver { operators: &operators, spectrum: &spectrum, reduced: &reduced, settings, speeds };
+    let solver =
+        WhirlSolver { operators: &operators, spectrum: &spectrum, reduced: &reduced, settings, speeds };
 
     let sweep = solver.sweep(progress)?;
     let character = Character::new(&assembly)?;
@@ -220,7 +221,7 @@ fn speeds(settings: &CampbellSettings, operators: &Operators, criticals: Option<
     speeds
 }
 
-pub(super) struct Solver<'a> {
+pub(super) struct WhirlSolver<'a> {
     pub operators: &'a Operators,
     pub spectrum: &'a Spectrum,
     pub reduced: &'a Reduced,
@@ -229,7 +230,7 @@ pub(super) struct Solver<'a> {
     pub speeds: Vec<f64>,
 }
 
-impl Solver<'_> {
+impl WhirlSolver<'_> {
     /// Motions at one speed, reduced or corrected until they satisfy the unreduced equations.
     pub fn solve(&self, speed: f64) -> Result<Solution> {
         match self.settings.reduction {

@@ -1,6 +1,6 @@
 //! Ranges of speed in which a motion grows, their ends refined, and the lowest of them.
 
-use crate::analysis::campbell::Solver;
+use crate::analysis::campbell::WhirlSolver;
 use crate::analysis::campbell::branch_tracking::most_like;
 use crate::analysis::campbell::branches::Tracked;
 use crate::analysis::campbell::reduced_basis::{Solution, Whirling};
@@ -20,9 +20,9 @@ pub(super) const NOT_OSCILLATING: &str = "not oscillating";
 pub(super) const BEYOND: &str = "beyond the branches";
 
 /// A motion that may grow, at every speed of the sweep.
-type Path<'a> = Vec<Option<&'a Whirling>>;
+type RootPath<'a> = Vec<Option<&'a Whirling>>;
 
-impl Solver<'_> {
+impl WhirlSolver<'_> {
     /// The unstable ranges of all motions, by ascending speed: of the branches, and of what none of them follows.
     ///
     /// # Errors
@@ -54,7 +54,7 @@ impl Solver<'_> {
 
     fn ranges_along(
         &self,
-        path: &Path<'_>,
+        path: &RootPath<'_>,
         sweep: &[Solution],
         name: &str,
         ranges: &mut Vec<UnstableRange>,

@@ -2,12 +2,12 @@
 
 use crate::analysis::contact::Detector;
 use crate::error::Result;
-use crate::linalg::lu::{Entries, Solver};
+use crate::linalg::lu::{Entries, LuSolver};
 use crate::model::scene::Enforcement;
 use crate::results::{ContactCost, ContactSolver};
 use crate::scene::bodies::Bodies;
 use crate::scene::gap::product;
-use crate::scene::penalty::{self, Spring};
+use crate::scene::penalty::{self, ContactSpring};
 use crate::scene::planar::probes::Key;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
@@ -36,13 +36,13 @@ const OPPOSITE: f64 = 1e-2;
 const COMPLIANCE: f64 = 1e-3;
 
 /// An equilibrium.
-pub struct State {
+pub struct SceneState {
     /// Coordinates.
     pub q: Vec<f64>,
     /// Share of the loads.
     pub factor: f64,
     /// Contacts that act; for constraints the force is in `forces`.
-    pub springs: Vec<Spring>,
+    pub springs: Vec<ContactSpring>,
     /// Force of each, N, pushing apart.
     pub forces: Vec<f64>,
     /// How it went.
@@ -54,10 +54,10 @@ pub struct State {
 }
 
 /// Finds the equilibrium step by step.
-pub struct Equilibrium<'a> {
+pub struct SceneEquilibrium<'a> {
     bodies: &'a Bodies<'a>,
     detector: Detector,
-    solver: Solver,
+    solver: LuSolver,
     stats: ContactSolver,
     cost: ContactCost,
     height: f64,
@@ -65,14 +65,14 @@ pub struct Equilibrium<'a> {
     multipliers: BTreeMap<Key, f64>,
 }
 
-impl<'a> Equilibrium<'a> {
+impl<'a> SceneEquilibrium<'a> {
     /// Of these bodies.
     pub fn new(bodies: &'a Bodies<'a>, detector: Detector) -> Self {
         let height = bodies.scene.bodies.iter().map(|b| b.height).fold(f64::INFINITY, f64::min);
         Self {
             bodies,
             detector,
-            solver: Solver::default(),
+            solver: LuSolver::default(),
             stats: ContactSolver::default(),
             cost: ContactCost::default(),
             height,
@@ -82,7 +82,7 @@ impl<'a> Equilibrium<'a> {
 
     /// Loads in steps, each cut in halves where Newton's method does not converge. `watch` sees the share of the loads and stops
     /// by false.
-    pub fn solve(mut self, watch: crate::analysis::Watch<'_>) -> (State, Detector) {
+    pub fn solve(mut self, watch: crate::analysis::Watch<'_>) -> (SceneState, Detector) {
         let mut q = self.bodies.reference().to_vec();
         let step = 1.0 / self.bodies.scene.contact.load_steps as f64;
         let (mut factor, mut size) = (0.0, step);
@@ -125,7 +125,7 @@ impl<'a> Equilibrium<'a> {
         };
         self.stats.searches = self.detector.counts().searches;
         self.cost.search_s = self.detector.counts().seconds;
-        let state = State { q, factor, springs, forces, stats: self.stats, cost: self.cost, stopped };
+        let state = SceneState { q, factor, springs, forces, stats: self.stats, cost: self.cost, stopped };
         (state, self.detector)
     }
 
@@ -207,7 +207,7 @@ impl<'a> Equilibrium<'a> {
         let recut = self.detector.cut(self.bodies, q);
         let springs = self.detector.springs(self.bodies, q, TOUCHING * self.height);
         self.stats.gaps += springs.len();
-        let springs: Vec<Spring> = springs.into_iter().map(|(_, s)| s).collect();
+        let springs: Vec<ContactSpring> = springs.into_iter().map(|(_, s)| s).collect();
         penalty::add(
             &springs,
             q,
@@ -236,7 +236,7 @@ impl<'a> Equilibrium<'a> {
         let scene = self.bodies.scene;
         let penalty = scene.largest_penalty();
         let scale = (0..scene.bodies.len()).map(|i| scene.point_penalty(i, penalty)).fold(0.0, f64::max);
-        let active: Vec<&(Key, Spring)> = list
+        let active: Vec<&(Key, ContactSpring)> = list
             .iter()
             .filter(|(k, s)| self.multiplier(*k) - scale * s.gap.value > -scale * TOUCHING * self.height)
             .collect();
@@ -279,7 +279,7 @@ impl<'a> Equilibrium<'a> {
             let closed = spring.gap.value + product(&spring.gap.gradient(components), &moved);
             settled &= value >= -1e-9 * scale * self.height && closed.abs() <= 1e-9 * self.height;
         }
-        let penetrating = |(k, s): &&(Key, Spring)| {
+        let penetrating = |(k, s): &&(Key, ContactSpring)| {
             s.gap.value < -1e-9 * self.height && !active.iter().any(|(a, _)| a == k)
         };
         settled &= !list.iter().any(|entry| penetrating(&entry));

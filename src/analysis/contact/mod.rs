@@ -11,13 +11,13 @@ use crate::error::Result;
 use crate::model::scene::{Action, ContactSettings, Enforcement, Scene, Stepping, Unused};
 use crate::results::{BodyState, Contact, Diagnostic, LeftOut, ModelSummary, Modelled, PairState};
 use crate::scene::bodies::{Bodies, assemblies};
-use crate::scene::penalty::Spring;
-use crate::scene::planar::probes::{Counts, Key, Search};
+use crate::scene::penalty::ContactSpring;
+use crate::scene::planar::probes::{Key, PlanarSearch, SearchCounts};
 use crate::scene::spatial;
 pub use check::check;
-use equilibrium::Equilibrium;
+use equilibrium::SceneEquilibrium;
 use motion::Motion;
-use recorder::{Recorder, due, kind, pairs, views};
+use recorder::{SceneRecorder, due, kind, pairs, views};
 use std::time::Instant;
 
 /// Overlap at the start that is rounding, over the height.
@@ -29,9 +29,9 @@ const GAINED: f64 = 0.01;
 /// Detection of planar or spatial bodies, in equilibrium.
 pub enum Detector {
     /// 2322s.
-    Planar(Box<Search>),
+    Planar(Box<PlanarSearch>),
     /// 3333s and 34X3.
-    Spatial(Box<spatial::Search>),
+    Spatial(Box<spatial::SpatialSearch>),
 }
 
 /// Bodies that overlap at the start.
@@ -46,9 +46,9 @@ pub struct Overlap {
 impl Detector {
     fn new(bodies: &Bodies<'_>) -> Self {
         if bodies.scene.is_planar() {
-            Self::Planar(Box::new(Search::new(bodies)))
+            Self::Planar(Box::new(PlanarSearch::new(bodies)))
         } else {
-            Self::Spatial(Box::new(spatial::Search::new(bodies)))
+            Self::Spatial(Box::new(spatial::SpatialSearch::new(bodies)))
         }
     }
 
@@ -79,7 +79,7 @@ impl Detector {
         }
     }
 
-    fn springs(&mut self, bodies: &Bodies<'_>, q: &[f64], limit: f64) -> Vec<(Key, Spring)> {
+    fn springs(&mut self, bodies: &Bodies<'_>, q: &[f64], limit: f64) -> Vec<(Key, ContactSpring)> {
         match self {
             Self::Planar(search) => search.springs(bodies, q, limit),
             Self::Spatial(search) => search.springs(bodies, q, limit),
@@ -101,7 +101,7 @@ impl Detector {
         }
     }
 
-    fn counts(&self) -> Counts {
+    fn counts(&self) -> SearchCounts {
         match self {
             Self::Planar(search) => search.counts,
             Self::Spatial(search) => search.counts,
@@ -122,7 +122,7 @@ pub fn overlap(scene: &Scene) -> Result<Option<Overlap>> {
     } else {
         let shafts = assemblies(scene);
         let bodies = Bodies::new(scene, &shafts)?;
-        let mut search = spatial::Search::new(&bodies);
+        let mut search = spatial::SpatialSearch::new(&bodies);
         search.update(&bodies, bodies.reference());
         search.overlap(&bodies, bodies.reference()).map(|(a, b, gap)| (a, b, -gap))
     };
@@ -167,13 +167,13 @@ fn unused_input(scene: &Scene) -> Vec<Diagnostic> {
 
 fn moving(bodies: &Bodies<'_>, until: f64, watch: Watch<'_>) -> Result<Outcome<Contact>> {
     let (scene, settings) = (bodies.scene, &bodies.scene.contact);
-    let mut motion = Motion::new(bodies, Search::new(bodies))?;
+    let mut motion = Motion::new(bodies, PlanarSearch::new(bodies))?;
     if settings.method != Enforcement::None {
         motion.search.prepare(bodies, &motion.q, &motion.v, settings.step);
         motion.search.cut(scene, &motion.q);
     }
     let energies = motion.energies(0.0);
-    let mut recorder = Recorder::new(bodies, energies);
+    let mut recorder = SceneRecorder::new(bodies, energies);
     recorder.row(bodies, &motion.search, (0.0, &motion.q, &motion.v), &energies);
     recorder.snapshot(bodies, 0.0, &motion.q);
     let mut diagnostics = Vec::new();
@@ -261,7 +261,7 @@ fn moving(bodies: &Bodies<'_>, until: f64, watch: Watch<'_>) -> Result<Outcome<C
 
 fn resting(bodies: &Bodies<'_>, watch: Watch<'_>) -> Result<Outcome<Contact>> {
     let scene = bodies.scene;
-    let (state, detector) = Equilibrium::new(bodies, Detector::new(bodies)).solve(watch);
+    let (state, detector) = SceneEquilibrium::new(bodies, Detector::new(bodies)).solve(watch);
     let mut diagnostics = Vec::new();
     if let Some(why) = &state.stopped {
         diagnostics.push(Diagnostic::error(
@@ -276,7 +276,7 @@ fn resting(bodies: &Bodies<'_>, watch: Watch<'_>) -> Result<Outcome<Contact>> {
         ));
     }
     let model = summary(bodies);
-    let deepest = state.springs.iter().map(Spring::penetration).fold(0.0, f64::max);
+    let deepest = state.springs.iter().map(ContactSpring::penetration).fold(0.0, f64::max);
     let mut snapshots = views(bodies, bodies.reference(), "undeformed");
     snapshots.extend(views(bodies, &state.q, "equilibrium"));
     let results = Contact {
@@ -320,10 +320,14 @@ fn own_penalty(scene: &Scene, (a, b): (usize, usize)) -> Option<f64> {
     (penalty != scene.largest_penalty()).then_some(penalty)
 }
 
-fn resting_pairs(bodies: &Bodies<'_>, detector: &Detector, state: &equilibrium::State) -> Vec<PairState> {
+fn resting_pairs(
+    bodies: &Bodies<'_>,
+    detector: &Detector,
+    state: &equilibrium::SceneState,
+) -> Vec<PairState> {
     let scene = bodies.scene;
     let one = |(a, b): (usize, usize)| {
-        let own = |s: &Spring| s.pair() == (a, b);
+        let own = |s: &ContactSpring| s.pair() == (a, b);
         let mut pair = PairState {
             pair: [a, b].map(|i| scene.bodies[i].name.clone()),
             kind: None,
@@ -349,7 +353,7 @@ fn resting_pairs(bodies: &Bodies<'_>, detector: &Detector, state: &equilibrium::
         pair
     };
     let mut list = pairs(scene);
-    for touching in state.springs.iter().map(Spring::pair) {
+    for touching in state.springs.iter().map(ContactSpring::pair) {
         if !list.contains(&touching) {
             list.push(touching);
         }

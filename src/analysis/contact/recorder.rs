@@ -2,10 +2,10 @@
 
 use crate::model::scene::{Body, Face, Scene};
 use crate::results::{ContactEnergy, ContactEvent, ContactHistory, PairState, Snapshot};
-use crate::scene::bodies::{Bodies, Motion as Momenta};
-use crate::scene::penalty::Model;
+use crate::scene::bodies::{Bodies, RigidMotion as Momenta};
+use crate::scene::penalty::ContactModel;
 use crate::scene::planar::boundary::{faces, on_curve};
-use crate::scene::planar::probes::Search;
+use crate::scene::planar::probes::PlanarSearch;
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
 
@@ -45,13 +45,13 @@ impl Energies {
 
 /// A probe in contact within a step.
 #[derive(Debug, Clone, Copy)]
-pub struct Touch {
+pub struct ContactTouch {
     /// Slave and master.
     pub bodies: (usize, usize),
     /// Along the axes of both, m.
     pub positions: [f64; 2],
     /// What meets what.
-    pub model: Model,
+    pub model: ContactModel,
     /// m.
     pub penetration: f64,
     /// On the slave over the step, as the integrator takes it, N.
@@ -60,7 +60,7 @@ pub struct Touch {
     pub within: [f64; 2],
 }
 
-impl Touch {
+impl ContactTouch {
     /// Its bodies, the smaller index first.
     pub fn pair(&self) -> (usize, usize) {
         (self.bodies.0.min(self.bodies.1), self.bodies.0.max(self.bodies.1))
@@ -86,16 +86,17 @@ pub fn pairs(scene: &Scene) -> Vec<(usize, usize)> {
 }
 
 /// Shares of a contact by model.
-pub type Shares = [f64; Model::ALL.len()];
+pub type Shares = [f64; ContactModel::ALL.len()];
 
 /// The model that carries most, if any does.
 pub fn kind(shares: &Shares) -> Option<&'static str> {
-    let most = Model::ALL.into_iter().max_by(|a, b| shares[*a as usize].total_cmp(&shares[*b as usize]))?;
+    let most =
+        ContactModel::ALL.into_iter().max_by(|a, b| shares[*a as usize].total_cmp(&shares[*b as usize]))?;
     (shares[most as usize] > 0.0).then(|| most.name())
 }
 
 /// A pair of bodies in the course of the motion.
-struct Pair {
+struct BodyPair {
     bodies: (usize, usize),
     names: [String; 2],
     /// Event that goes on.
@@ -112,7 +113,7 @@ struct Pair {
     opened: f64,
 }
 
-impl Pair {
+impl BodyPair {
     /// Smallest gap: between nodes, or the penetration.
     fn gap(&self, between: Option<f64>) -> Option<f64> {
         if self.penetration > 0.0 { Some(between.unwrap_or(0.0).min(-self.penetration)) } else { between }
@@ -120,11 +121,11 @@ impl Pair {
 }
 
 /// Collects what a motion leaves behind.
-pub struct Recorder<'a> {
+pub struct SceneRecorder<'a> {
     scene: &'a Scene,
     /// kg.
     masses: Vec<f64>,
-    pairs: Vec<Pair>,
+    pairs: Vec<BodyPair>,
     /// Contacts.
     pub events: Vec<ContactEvent>,
     /// Over time.
@@ -144,7 +145,7 @@ pub struct Recorder<'a> {
     largest: [f64; 2],
 }
 
-impl<'a> Recorder<'a> {
+impl<'a> SceneRecorder<'a> {
     /// Nothing yet.
     pub fn new(bodies: &Bodies<'a>, start: Energies) -> Self {
         let scene = bodies.scene;
@@ -180,7 +181,7 @@ impl<'a> Recorder<'a> {
         self.history.gap_m.push(vec![None; rows]);
         self.history.force_n.push(vec![0.0; rows]);
         self.history.touches.push(Vec::new());
-        self.pairs.push(Pair {
+        self.pairs.push(BodyPair {
             bodies: (a, b),
             names,
             open: None,
@@ -194,7 +195,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// A step of `dt` that ends at `t`, s.
-    pub fn step(&mut self, t: f64, dt: f64, energies: &Energies, touches: &[Touch]) {
+    pub fn step(&mut self, t: f64, dt: f64, energies: &Energies, touches: &[ContactTouch]) {
         self.last = *energies;
         let change = energies.total() - self.start.total();
         self.change[0] = self.change[0].max(change.abs());
@@ -212,8 +213,8 @@ impl<'a> Recorder<'a> {
         }
         for (pair, drawn) in self.pairs.iter_mut().zip(&mut self.history.touches) {
             let (a, b) = pair.bodies;
-            let of_pair = |t: &&Touch| t.pair() == (a, b);
-            let own: Vec<&Touch> = touches.iter().filter(of_pair).collect();
+            let of_pair = |t: &&ContactTouch| t.pair() == (a, b);
+            let own: Vec<&ContactTouch> = touches.iter().filter(of_pair).collect();
             pair.force = own.iter().map(|t| if t.bodies.0 == a { t.force } else { -t.force }).sum();
             pair.impulse += pair.force * dt;
             pair.points = own.iter().filter(|t| t.within[1] == 1.0).count();
@@ -251,8 +252,11 @@ impl<'a> Recorder<'a> {
             own.iter().for_each(|t| pair.shares[t.model as usize] += t.force.norm() * dt);
             let event = &mut self.events[index];
             event.kind = kind(&pair.shares).unwrap_or(event.kind);
-            event.kinds =
-                Model::ALL.into_iter().filter(|m| pair.shares[*m as usize] > 0.0).map(Model::name).collect();
+            event.kinds = ContactModel::ALL
+                .into_iter()
+                .filter(|m| pair.shares[*m as usize] > 0.0)
+                .map(ContactModel::name)
+                .collect();
             event.gap_m = event.gap_m.min(-pair.penetration);
             event.force_n = event.force_n.max(pair.force.norm());
             event.impulse_n_s[0] += pair.force.x * dt;
@@ -264,7 +268,7 @@ impl<'a> Recorder<'a> {
     pub fn row(
         &mut self,
         bodies: &Bodies<'_>,
-        search: &Search,
+        search: &PlanarSearch,
         state: (f64, &[f64], &[f64]),
         energies: &Energies,
     ) {
@@ -306,8 +310,8 @@ impl<'a> Recorder<'a> {
     }
 
     /// State of every pair after the last step.
-    pub fn pair_states(&self, bodies: &Bodies<'_>, search: &Search, q: &[f64]) -> Vec<PairState> {
-        let one = |pair: &Pair| PairState {
+    pub fn pair_states(&self, bodies: &Bodies<'_>, search: &PlanarSearch, q: &[f64]) -> Vec<PairState> {
+        let one = |pair: &BodyPair| PairState {
             pair: pair.names.clone(),
             kind: pair.open.map(|event| self.events[event].kind),
             points: pair.points,

@@ -16,11 +16,11 @@ use crate::analysis::Watch;
 use crate::analysis::equilibrium::{Balance, Equilibrium, NewtonSettings};
 use crate::analysis::probes::{largest_strain, probe_states, profile};
 use crate::analysis::statics::{hub_remark, pinned_remark};
-use crate::analysis::stations::{Station, headline, section_growth};
+use crate::analysis::stations::{GrowthStation, headline, section_growth};
 use crate::analysis::{Outcome, model_remarks};
 use crate::error::{Error, Refusal, Result};
 use crate::integrate::implicit::Scheme;
-use crate::integrate::{self, Method, Moment, Progress, Settings, Step};
+use crate::integrate::{self, IntegratorSettings, Method, Moment, Progress, Step};
 use crate::linalg::factor::Ldlt;
 use crate::linalg::sparse::{combine, symmetric_part};
 use crate::model::{Frame, Integrator, Model, Reading, SpinupSettings, Traction};
@@ -31,7 +31,7 @@ use crate::shaft::attachments::drives;
 use crate::shaft::drive::Drive;
 use crate::shaft::loads::Which;
 use crate::shaft::motion::Dynamics;
-use recorder::Recorder;
+use recorder::RunRecorder;
 use remarks::growth_remarks;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -139,7 +139,7 @@ pub fn spinup(model: &Model, settings: &SpinupSettings, watch: Watch<'_>) -> Res
     let (z, v) = (begin.z.clone(), begin.v.clone());
     dynamics.acceleration(0.0, &z, &v, &mut begin.a);
     dynamics.record(0.0, begin.lists());
-    let mut recorder = Recorder::new(&assembly, settings, &mut dynamics, &begin)?;
+    let mut recorder = RunRecorder::new(&assembly, settings, &mut dynamics, &begin)?;
     let result = run(&mut dynamics, begin, settings, &mut recorder, watch)?;
     Ok(recorder.finish(model, &mut dynamics, result, diagnostics))
 }
@@ -154,7 +154,7 @@ fn run(
     dynamics: &mut Dynamics<'_>,
     begin: Moment,
     settings: &SpinupSettings,
-    recorder: &mut Recorder<'_>,
+    recorder: &mut RunRecorder<'_>,
     watch: Watch<'_>,
 ) -> Result<RunResult> {
     let until = settings.until;
@@ -184,7 +184,7 @@ fn run(
         }
         Integrator::Adams => Method::Adams,
     };
-    let integration = Settings {
+    let integration = IntegratorSettings {
         method,
         rtol: settings.rtol,
         atol: settings.atol * scale,
@@ -255,7 +255,7 @@ fn no_equilibrium(reached: f64, speed: f64, state: &Equilibrium) -> Error {
 /// The shaft at one speed from all coordinates in the turning frame.
 fn spin_state(assembly: &Assembly<'_>, q: &[f64], time_s: Option<f64>, speed: f64) -> SpinState {
     let model = assembly.model;
-    let Station { x, section, material, clearance: _ } = headline(model);
+    let GrowthStation { x, section, material, clearance: _ } = headline(model);
     let mut probes = probe_states(assembly, q);
     probes.iter_mut().for_each(|p| p.growth = Some(section_growth(assembly, q, p.at_m)));
     SpinState {

@@ -10,7 +10,7 @@ use crate::analysis::spinup::rub_recorder::RubRecorder;
 use crate::analysis::spinup::steady::sections_at;
 use crate::analysis::spinup::{RunResult, spin_state};
 use crate::analysis::statics::strain_remark;
-use crate::analysis::stations::{Station, growth_along, headline, section_growth};
+use crate::analysis::stations::{GrowthStation, growth_along, headline, section_growth};
 use crate::analysis::{Outcome, quadrature_name};
 use crate::error::Result;
 use crate::integrate::{Flows, Moment, Step};
@@ -19,7 +19,7 @@ use crate::results::{
     Diagnostic, EnergyBalance, Extremes, History, IntegratorSummary, SectionForces, Spinup,
 };
 use crate::shaft::assembly::Assembly;
-use crate::shaft::motion::{Dynamics, State};
+use crate::shaft::motion::{Dynamics, MotionState};
 use std::time::{Duration, Instant};
 
 /// Points of the orbit in every step.
@@ -32,17 +32,17 @@ const ORBIT: f64 = 20_000.0;
 const PAUSE: Duration = Duration::from_millis(100);
 
 /// Collects the history of a run.
-pub(super) struct Recorder<'a> {
+pub(super) struct RunRecorder<'a> {
     assembly: &'a Assembly<'a>,
     times: Vec<f64>,
     next: usize,
     history: History,
     pub(super) extremes: Extremes,
-    start: State,
+    start: MotionState,
     pub(super) last: (Moment, Flows),
     centre: Centre,
     /// Where growth is read.
-    station: Station,
+    station: GrowthStation,
     /// Time of the last point of the orbit, the shortest time to the next, and the point in the turning frame.
     drawn: (f64, f64, [f64; 2]),
     supports: Vec<(String, usize)>,
@@ -56,7 +56,7 @@ pub(super) struct Recorder<'a> {
     asked: Instant,
 }
 
-impl<'a> Recorder<'a> {
+impl<'a> RunRecorder<'a> {
     pub(super) fn new(
         assembly: &'a Assembly<'a>,
         settings: &SpinupSettings,
@@ -171,7 +171,7 @@ impl<'a> Recorder<'a> {
     ) {
         let model = self.assembly.model;
         let turn = dynamics.drive.at(t);
-        let Station { x, section, material, .. } = self.station;
+        let GrowthStation { x, section, material, .. } = self.station;
         let centre = self.extreme(dynamics, t, z);
         let q = dynamics.coordinates(t, z);
         let (sin, cos) = turn.angle.sin_cos();
@@ -353,13 +353,13 @@ impl<'a> Recorder<'a> {
     }
 }
 
-pub(super) fn energy(state: &State) -> f64 {
+pub(super) fn energy(state: &MotionState) -> f64 {
     state.kinetic + state.strain + state.potential + state.stators
 }
 
 /// Absorbed by material damping, external damping, bearings and friction at stators. The internal forces' work is strain energy and
 /// material damping together.
-pub(super) fn absorbed(flows: &Flows, state: &State, start: &State, viscous: bool) -> [f64; 4] {
+pub(super) fn absorbed(flows: &Flows, state: &MotionState, start: &MotionState, viscous: bool) -> [f64; 4] {
     let material = if viscous { flows.internal - (state.strain - start.strain) } else { 0.0 };
     [material, flows.external, flows.bearings, flows.friction]
 }

@@ -8,7 +8,7 @@ use crate::results::{
     StatorSummary,
 };
 use crate::shaft::motion::Dynamics;
-use crate::shaft::stator_ring::Path;
+use crate::shaft::stator_ring::AxisPath;
 
 /// Points of a step with a ring that acts or is reached that are looked at for the record.
 const POINTS: usize = 6;
@@ -85,10 +85,10 @@ impl RubRecorder {
         let h = step.end.t - step.start.t;
         let ends = [step.start.lists(), step.end.lists()];
         let rings = &dynamics.rub().rings;
-        let paths: Vec<Path> = rings.iter().map(|ring| ring.path(h, ends)).collect();
+        let paths: Vec<AxisPath> = rings.iter().map(|ring| ring.path(h, ends)).collect();
         // a ring that does not act is touched at the end of a step or not at all
         let concerned =
-            |(i, path): (usize, &Path)| rings[i].acts || path.radius(1.0) > self.stators[i].clearance_m;
+            |(i, path): (usize, &AxisPath)| rings[i].acts || path.radius(1.0) > self.stators[i].clearance_m;
         let concerned: Vec<usize> = paths.iter().enumerate().filter(|&p| concerned(p)).map(|p| p.0).collect();
         if concerned.is_empty() {
             return;
@@ -117,7 +117,7 @@ impl RubRecorder {
 
     /// Contacts made and lost in a step that begins at t and takes h. A contact is lost before a point at which the gap is open
     /// again, and made anew after that.
-    fn events(&mut self, i: usize, path: &Path, t: f64, h: f64) {
+    fn events(&mut self, i: usize, path: &AxisPath, t: f64, h: f64) {
         let (stator, since) = (&mut self.stators[i], &mut self.since[i]);
         let clearance = stator.clearance_m;
         let mut share = 0.0;

@@ -6,7 +6,7 @@ use crate::analysis::equilibrium::{Balance, Equilibrium};
 use crate::analysis::section_forces::ForceReader;
 use crate::analysis::spinup::orbit;
 use crate::analysis::spinup::orbit::Orbit;
-use crate::analysis::spinup::recorder::Recorder;
+use crate::analysis::spinup::recorder::RunRecorder;
 use crate::analysis::spinup::remarks::clear_remark;
 use crate::analysis::spinup::{NEWTON, spin_state};
 use crate::analysis::statics::{newton_summary, pinned_remark, strain_remark};
@@ -100,7 +100,7 @@ pub(super) fn one_turn(
     };
     let turn = SpinupSettings { until: period, output: TURN + 1, ..settings.clone() };
     let begin = moment(0.0);
-    let mut recorder = Recorder::new(assembly, &turn, &mut dynamics, &begin)?;
+    let mut recorder = RunRecorder::new(assembly, &turn, &mut dynamics, &begin)?;
     let (mut flows, mut before) = (Flows::default(), Flows::of(&dynamics, 0.0));
     let mut end = begin;
     for k in 1..=TURN {

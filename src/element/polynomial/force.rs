@@ -8,7 +8,7 @@ use crate::element::polynomial::{DEGREE, NonlinearElement};
 use pulp::{Simd, WithSimd};
 
 /// Adds up the force; returns the energy.
-pub(super) struct Force<'a> {
+pub(super) struct PolynomialForce<'a> {
     pub element: &'a NonlinearElement,
     pub q: &'a [f64],
     pub velocity: Option<&'a [f64]>,
@@ -16,7 +16,7 @@ pub(super) struct Force<'a> {
     pub scratch: &'a mut Scratch,
 }
 
-impl WithSimd for Force<'_> {
+impl WithSimd for PolynomialForce<'_> {
     type Output = f64;
 
     #[inline(always)]

@@ -25,11 +25,11 @@ use crate::instructions::Instructions;
 use crate::model::{ElementKind, Law, Material, Quadrature};
 use crate::section::Section;
 use crate::section::basis::exponents;
-use force::Force;
+use force::PolynomialForce;
 use nalgebra::Matrix3;
 use pulp::{Arch, Simd};
 use section_polynomials::{Class, count, place_on_grid};
-use tangent::{Tables, Tangent};
+use tangent::{PolynomialTables, PolynomialTangent};
 
 /// Degree of the products of each pair of directions xx yy zz xy xz yz, as an index of [`Class::counts`].
 const DEGREE: [usize; 6] = [2, 0, 0, 1, 1, 0];
@@ -96,7 +96,7 @@ pub struct NonlinearElement {
     classes: [Class; 4],
     area: f64,
     stations: Stations,
-    tangent: Tables,
+    tangent: PolynomialTables,
     /// Kelvin-Voigt factor, s.
     viscosity: f64,
     /// Vector instructions.
@@ -153,7 +153,7 @@ impl NonlinearElement {
             places: list.iter().map(|&m| place_on_grid(order, m)).collect(),
             grid: place_on_grid(order, (2 * order, 0)) + 1,
             area: moment(0, 0),
-            tangent: Tables::new(order, &classes, &vectors, &stations),
+            tangent: PolynomialTables::new(order, &classes, &vectors, &stations),
             vectors,
             classes,
             stations,
@@ -236,17 +236,17 @@ impl Kernel for NonlinearElement {
         scratch: &mut Scratch,
     ) -> f64 {
         let velocity = velocity.filter(|_| self.viscosity != 0.0);
-        self.arch.dispatch(Force { element: self, q, velocity, force, scratch })
+        self.arch.dispatch(PolynomialForce { element: self, q, velocity, force, scratch })
     }
 
     fn tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
-        self.arch.dispatch(Tangent { element: self, q, geometric: true, scratch });
+        self.arch.dispatch(PolynomialTangent { element: self, q, geometric: true, scratch });
         self.tangent.expansion.write(scratch, tangent);
     }
 
     // the part of the tangent that stems from the law alone, without stress, times beta
     fn viscous_tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
-        self.arch.dispatch(Tangent { element: self, q, geometric: false, scratch });
+        self.arch.dispatch(PolynomialTangent { element: self, q, geometric: false, scratch });
         self.tangent.expansion.write(scratch, tangent);
         tangent.iter_mut().for_each(|v| *v *= self.viscosity);
     }

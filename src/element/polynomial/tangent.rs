@@ -110,12 +110,12 @@ impl ClassTables {
 
 /// Tables of the tangent.
 #[derive(Debug, Clone)]
-pub(super) struct Tables {
+pub(super) struct PolynomialTables {
     classes: [ClassTables; 4],
     pub expansion: Expansion,
 }
 
-impl Tables {
+impl PolynomialTables {
     /// Tables for the classes of an order and what the vectors of a node do.
     pub fn new(order: usize, classes: &[Class; 4], vectors: &[Roles], stations: &Stations) -> Self {
         let list = exponents(2 * order);
@@ -149,14 +149,14 @@ impl Tables {
 }
 
 /// The stiffness of all pairs of vectors into the working memory.
-pub(super) struct Tangent<'a> {
+pub(super) struct PolynomialTangent<'a> {
     pub element: &'a NonlinearElement,
     pub q: &'a [f64],
     pub geometric: bool,
     pub scratch: &'a mut Scratch,
 }
 
-impl WithSimd for Tangent<'_> {
+impl WithSimd for PolynomialTangent<'_> {
     type Output = ();
 
     #[inline(always)]

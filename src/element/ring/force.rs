@@ -10,7 +10,7 @@ use pulp::{Simd, WithSimd};
 const ROWS: usize = 3;
 
 /// Adds up the force; returns the energy.
-pub(super) struct Force<'a> {
+pub(super) struct RingForce<'a> {
     pub element: &'a RingElement,
     pub q: &'a [f64],
     pub velocity: Option<&'a [f64]>,
@@ -18,7 +18,7 @@ pub(super) struct Force<'a> {
     pub scratch: &'a mut Scratch,
 }
 
-impl WithSimd for Force<'_> {
+impl WithSimd for RingForce<'_> {
     type Output = f64;
 
     #[inline(always)]

@@ -21,15 +21,15 @@ use crate::element::continuum::lame;
 use crate::element::kernel::pair_stiffness::{PAIRS, place};
 use crate::element::kernel::simd::Scratch;
 use crate::element::kernel::stations::Stations;
-use crate::element::ring_functions::{Ring, monomials};
+use crate::element::ring_functions::{RingFunctions, monomials};
 use crate::instructions::Instructions;
 use crate::model::{ElementKind, Material, Quadrature};
 use crate::section::Section;
 use crate::section::basis::{SectionBasis, ring_functions};
-use force::Force;
+use force::RingForce;
 use pulp::{Arch, Simd};
 use std::f64::consts::PI;
-use tangent::{Tables, Tangent};
+use tangent::{RingTables, RingTangent};
 
 /// Share of the moments that the points across the wall may leave out.
 const ROUNDING: f64 = 1e-17;
@@ -124,7 +124,7 @@ pub struct RingElement {
     /// Moments `H_n[g]` times the weight of an angle, `[n][g]`, m^2.
     moments: [Vec<f64>; 5],
     stations: Stations,
-    tangent: Tables,
+    tangent: RingTables,
     /// Vector instructions.
     arch: Arch,
 }
@@ -142,7 +142,7 @@ impl RingElement {
     ) -> Option<Self> {
         let SectionBasis::Ring { degree, harmonics } = kind.basis else { return None };
         let (lambda, mu) = lame(material);
-        let (ring, round) = (Ring::new(section), section.is_axisymmetric());
+        let (ring, round) = (RingFunctions::new(section), section.is_axisymmetric());
         let directions = directions(&ring, round, degree, harmonics);
         let vectors = vectors(&ring, round, (degree, harmonics), reference_length, &directions);
         // four factors F
@@ -170,7 +170,7 @@ impl RingElement {
             lambda,
             viscosity: material.stiffness_damping,
             n_vectors: vectors.len(),
-            tangent: Tables::new(&vectors, &directions, &stations),
+            tangent: RingTables::new(&vectors, &directions, &stations),
             vectors,
             directions,
             products,
@@ -276,24 +276,24 @@ impl Kernel for RingElement {
         scratch: &mut Scratch,
     ) -> f64 {
         let velocity = velocity.filter(|_| self.viscosity != 0.0);
-        self.arch.dispatch(Force { element: self, q, velocity, force, scratch })
+        self.arch.dispatch(RingForce { element: self, q, velocity, force, scratch })
     }
 
     fn tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
-        self.arch.dispatch(Tangent { element: self, q, geometric: true, scratch });
+        self.arch.dispatch(RingTangent { element: self, q, geometric: true, scratch });
         self.tangent.expansion.write(scratch, tangent);
     }
 
     // the part of the tangent that stems from the law alone, without stress, times beta
     fn viscous_tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
-        self.arch.dispatch(Tangent { element: self, q, geometric: false, scratch });
+        self.arch.dispatch(RingTangent { element: self, q, geometric: false, scratch });
         self.tangent.expansion.write(scratch, tangent);
         tangent.iter_mut().for_each(|v| *v *= self.viscosity);
     }
 }
 
 /// Columns x, rho, theta of a circle or x, y, z of an ellipse.
-fn directions(ring: &Ring, round: bool, degree: usize, harmonics: usize) -> [Direction; 3] {
+fn directions(ring: &RingFunctions, round: bool, degree: usize, harmonics: usize) -> [Direction; 3] {
     let (mean, half) = (ring.mean, ring.half);
     // rho^2 / 2 for those over rho
     let squares = |over: usize| {
@@ -320,7 +320,7 @@ fn directions(ring: &Ring, round: bool, degree: usize, harmonics: usize) -> [Dir
 
 /// What the vectors of a node do to the columns.
 fn vectors(
-    ring: &Ring,
+    ring: &RingFunctions,
     round: bool,
     (degree, harmonics): (usize, usize),
     reference_length: f64,

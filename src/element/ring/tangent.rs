@@ -49,13 +49,13 @@ const ENTRIES: usize = 3;
 
 /// Tables of the tangent.
 #[derive(Debug, Clone)]
-pub(super) struct Tables {
+pub(super) struct RingTables {
     /// First entry of the moduli of each pair of directions at an angle, and the end of the last.
     entries: [usize; 7],
     pub expansion: Expansion,
 }
 
-impl Tables {
+impl RingTables {
     /// Tables for what the vectors of a node do to the columns.
     pub fn new(vectors: &[[Vec<Role>; 3]], directions: &[Direction; 3], stations: &Stations) -> Self {
         let length = |p: usize| directions[PAIRS[p].0].count + directions[PAIRS[p].1].count - 1;
@@ -115,20 +115,20 @@ fn products([(m, first), (n, second)]: [(usize, bool); 2]) -> Vec<(f64, usize, b
 }
 
 /// The stiffness of all pairs of vectors into the working memory.
-pub(super) struct Tangent<'a> {
+pub(super) struct RingTangent<'a> {
     pub element: &'a RingElement,
     pub q: &'a [f64],
     pub geometric: bool,
     pub scratch: &'a mut Scratch,
 }
 
-impl WithSimd for Tangent<'_> {
+impl WithSimd for RingTangent<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { element, q, geometric, scratch } = self;
-        let Tables { entries, expansion } = &element.tangent;
+        let RingTables { entries, expansion } = &element.tangent;
         let (length, angles, n) =
             (expansion.batches[0].length(), element.angles.count, element.coefficients());
         let batches = element.stations.count.div_ceil(S::F64_LANES);
@@ -322,7 +322,7 @@ impl RingElement {
     fn waves_of_moduli<S: Simd>(&self, simd: S, p: usize, moduli: &[[S::f64s; 2]], moments: &mut [S::f64s]) {
         let (alpha, beta) = PAIRS[p];
         let harmonics = self.directions[alpha].harmonics + self.directions[beta].harmonics;
-        let Tables { entries, expansion } = &self.tangent;
+        let RingTables { entries, expansion } = &self.tangent;
         let (first, stride) = (entries[p], entries[6]);
         let length = entries[p + 1] - first;
         let moments = &mut moments[expansion.batches[0].first[p]..][..(2 * harmonics + 1) * length];

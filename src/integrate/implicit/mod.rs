@@ -11,7 +11,7 @@ mod anderson;
 mod newton;
 
 use crate::error::Result;
-use crate::integrate::{Course, Flows, Moment, OnStep, Progress, Settings, Step, failed};
+use crate::integrate::{Course, Flows, IntegratorSettings, Moment, OnStep, Progress, Step, failed};
 use crate::shaft::motion::Dynamics;
 use newton::{Newton, Stage};
 
@@ -68,10 +68,10 @@ pub fn integrate(
     dynamics: &mut Dynamics<'_>,
     start: Moment,
     scheme: Scheme,
-    settings: &Settings,
+    settings: &IntegratorSettings,
     on_step: &mut OnStep<'_>,
 ) -> Result<Progress> {
-    let mut run = Run::new(dynamics, start, scheme, settings);
+    let mut run = ImplicitRun::new(dynamics, start, scheme, settings);
     let mut course = Course::new(settings, dynamics, &run.now);
     let mut progress = Progress::default();
     let mut h = settings.step.unwrap_or(settings.first_step).min(course.until);
@@ -149,7 +149,7 @@ pub fn integrate(
 }
 
 /// An integration under way.
-struct Run {
+struct ImplicitRun {
     scheme: Scheme,
     now: Moment,
     next: Moment,
@@ -170,8 +170,13 @@ struct Run {
     exponent: f64,
 }
 
-impl Run {
-    fn new(dynamics: &mut Dynamics<'_>, start: Moment, scheme: Scheme, settings: &Settings) -> Self {
+impl ImplicitRun {
+    fn new(
+        dynamics: &mut Dynamics<'_>,
+        start: Moment,
+        scheme: Scheme,
+        settings: &IntegratorSettings,
+    ) -> Self {
         let n = start.z.len();
         let zero = || vec![0.0; n];
         dynamics.evaluate(start.t, &start.z, &start.v, &start.a);
@@ -245,7 +250,12 @@ impl Run {
     }
 
     /// Tries a step; its error over the tolerance, or nothing when Newton's method failed.
-    fn step(&mut self, dynamics: &mut Dynamics<'_>, h: f64, settings: &Settings) -> Result<Option<f64>> {
+    fn step(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        h: f64,
+        settings: &IntegratorSettings,
+    ) -> Result<Option<f64>> {
         let tolerance = settings.step_tolerance(dynamics, &self.now, h);
         let angle = settings.rtol;
         match self.scheme {

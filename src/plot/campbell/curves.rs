@@ -24,14 +24,14 @@ pub struct Sampled {
 }
 
 /// A branch as unbroken stretches.
-pub struct Curve<'a> {
+pub struct BranchCurve<'a> {
     /// The branch.
     pub branch: &'a Branch,
     /// Points between which it has no gap, by ascending speed.
     pub stretches: Vec<Vec<Sampled>>,
 }
 
-impl<'a> Curve<'a> {
+impl<'a> BranchCurve<'a> {
     /// The branch over these speeds, rad/s.
     pub fn new(branch: &'a Branch, speeds: &[f64]) -> Self {
         let mut stretches: Vec<Vec<Sampled>> = vec![Vec::new()];
@@ -124,7 +124,7 @@ impl<'a> Curve<'a> {
 }
 
 /// A critical speed as drawn.
-pub struct Mark<'a> {
+pub struct CurveMark<'a> {
     /// The critical speed.
     pub critical: &'a CriticalSpeed,
     /// Speed, rpm.
@@ -133,7 +133,7 @@ pub struct Mark<'a> {
     pub hz: f64,
 }
 
-impl Mark<'_> {
+impl CurveMark<'_> {
     /// Its number, its speed, its sense and its branch.
     pub fn words(&self, number: usize) -> String {
         let [rpm, hz] = [self.rpm, self.rpm / 60.0].map(|speed| significant(speed, 5));
@@ -160,7 +160,7 @@ pub struct Order {
 
 /// Critical speeds with the frequency at which they are drawn. In the stationary frame this is the speed itself; in
 /// the rotating frame it is the branch's own frequency there, or else what the frame's rotation makes of the speed.
-pub fn marks<'a>(results: &'a Campbell, curves: &[Curve]) -> Vec<Mark<'a>> {
+pub fn marks<'a>(results: &'a Campbell, curves: &[BranchCurve]) -> Vec<CurveMark<'a>> {
     let usable = results.critical_speeds.iter().filter(|critical| critical.speed_rpm.is_finite());
     usable
         .map(|critical| {
@@ -173,7 +173,7 @@ pub fn marks<'a>(results: &'a Campbell, curves: &[Curve]) -> Vec<Mark<'a>> {
             };
             let own = curves.iter().find(|curve| Some(&curve.branch.name) == critical.branch.as_ref());
             let on_branch = own.filter(|_| results.frame == "rotating").and_then(|curve| curve.at(rpm));
-            Mark { critical, rpm, hz: on_branch.unwrap_or(seen * rpm.abs() / 60.0) }
+            CurveMark { critical, rpm, hz: on_branch.unwrap_or(seen * rpm.abs() / 60.0) }
         })
         .collect()
 }
@@ -219,8 +219,8 @@ pub fn speed_range(speeds: &[f64]) -> (f64, f64) {
 
 /// Upper end of the frequency axis: all branches, unless some lie so high that they would squeeze the others; all
 /// critical speeds in any case. The speed itself (`one_x`) only loosens the limit.
-pub fn top_frequency(curves: &[Curve], highest_critical: f64, one_x: f64) -> f64 {
-    let mut highest: Vec<f64> = curves.iter().filter_map(Curve::highest).collect();
+pub fn top_frequency(curves: &[BranchCurve], highest_critical: f64, one_x: f64) -> f64 {
+    let mut highest: Vec<f64> = curves.iter().filter_map(BranchCurve::highest).collect();
     highest.sort_by(f64::total_cmp);
     let median = highest.get(highest.len() / 2).copied().unwrap_or(0.0);
     let limit = (5.0 * one_x).max(8.0 * median);

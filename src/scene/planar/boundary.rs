@@ -5,9 +5,9 @@
 //! nearest point may rest on; between a side and an end face it has a corner.
 
 use crate::element::planar_2322s::{CURVATURES, slopes, values};
-use crate::model::scene::Face as Place;
-use crate::scene::bodies::{Bodies, Curve};
-use crate::scene::gap::{Free, Gap, Hit, Point};
+use crate::model::scene::Face;
+use crate::scene::bodies::{Bodies, CurvePoints};
+use crate::scene::gap::{Free, Gap, Hit, SurfacePoint};
 use nalgebra::Vector3;
 
 /// Newton steps and bisections of a root.
@@ -23,13 +23,13 @@ const ON_KINK: f64 = 1e-12;
 
 /// A curve of a boundary.
 #[derive(Debug, Clone)]
-pub struct Face {
+pub struct BoundaryCurve {
     /// Index of its body.
     pub body: usize,
     /// Where it lies.
-    pub place: Place,
+    pub place: Face,
     /// Its points at -1, 0, 1.
-    pub curve: Curve,
+    pub curve: CurvePoints,
     /// Positions along the axis at -1 and 1, m.
     pub along: [f64; 2],
     /// Undeformed length, m.
@@ -40,7 +40,7 @@ pub struct Face {
     pub previous: usize,
 }
 
-impl Face {
+impl BoundaryCurve {
     /// True at a corner between a side and an end face; else two elements meet.
     pub fn corner(&self, other: &Self) -> bool {
         self.place != other.place
@@ -52,14 +52,14 @@ impl Face {
     }
 
     /// The point at zeta with what it takes of the vectors behind it.
-    pub fn point(&self, zeta: f64) -> Point {
+    pub fn point(&self, zeta: f64) -> SurfacePoint {
         let (l, d) = (values(zeta), slopes(zeta));
         let mut vectors = Vec::with_capacity(2 * self.curve.len());
         for (i, point) in self.curve.iter().enumerate() {
             let weights = [l[i], d[i], 0.0, CURVATURES[i], 0.0, 0.0];
             vectors.extend([(point.node, weights), (point.node + 2, weights.map(|w| w * point.height))]);
         }
-        Point { vectors }
+        SurfacePoint { vectors }
     }
 
     /// Position along the axis, m.
@@ -69,25 +69,25 @@ impl Face {
 }
 
 /// The boundaries of all bodies, one after the other.
-pub fn faces(bodies: &Bodies<'_>) -> Vec<Face> {
-    let mut list: Vec<Face> = Vec::new();
+pub fn faces(bodies: &Bodies<'_>) -> Vec<BoundaryCurve> {
+    let mut list: Vec<BoundaryCurve> = Vec::new();
     for (index, body) in bodies.scene.bodies.iter().enumerate() {
         let first = list.len();
         let element = body.length / body.elements as f64;
-        for place in [Place::Bottom, Place::End, Place::Top, Place::Start] {
+        for place in [Face::Bottom, Face::End, Face::Top, Face::Start] {
             for (k, curve) in bodies.face(index, place).into_iter().enumerate() {
                 let (along, length) = match place {
-                    Place::Bottom => ([k as f64 * element, (k + 1) as f64 * element], element),
-                    Place::Top => {
+                    Face::Bottom => ([k as f64 * element, (k + 1) as f64 * element], element),
+                    Face::Top => {
                         let left = (body.elements - 1 - k) as f64 * element;
                         ([left + element, left], element)
                     }
-                    Place::End => ([body.length; 2], body.height),
-                    Place::Start => ([0.0; 2], body.height),
+                    Face::End => ([body.length; 2], body.height),
+                    Face::Start => ([0.0; 2], body.height),
                 };
                 let at = list.len();
                 let previous = at.wrapping_sub(1);
-                list.push(Face { body: index, place, curve, along, length, next: at + 1, previous });
+                list.push(BoundaryCurve { body: index, place, curve, along, length, next: at + 1, previous });
             }
         }
         let last = list.len() - 1;
@@ -205,8 +205,8 @@ struct Contour {
 
 impl Contours {
     /// The curves in the state `q`.
-    pub fn new(faces: &[Face], q: &[f64]) -> Self {
-        let curve = |face: &Face| {
+    pub fn new(faces: &[BoundaryCurve], q: &[f64]) -> Self {
+        let curve = |face: &BoundaryCurve| {
             let points = face.points(q);
             let sag = (points[1] * 2.0 - points[0] - points[2]) / 2.0;
             let [a, b] = [0, 2].map(|k| (points[k] - points[1]).norm_squared());
@@ -237,7 +237,7 @@ impl Contours {
 /// Gap of the point `x` to the nearest of some curves of one body; `None` when there is none that counts. Of curves that are equally
 /// near it takes the first.
 pub fn gap(
-    faces: &[Face],
+    faces: &[BoundaryCurve],
     near: &[usize],
     contours: &Contours,
     x: &Vector3<f64>,
@@ -292,7 +292,7 @@ pub fn gap(
 }
 
 /// The gap of a point of a curve with its derivatives.
-pub fn differentiable(faces: &[Face], slave: (usize, f64), hit: &Hit) -> Gap {
+pub fn differentiable(faces: &[BoundaryCurve], slave: (usize, f64), hit: &Hit) -> Gap {
     Gap {
         value: hit.gap,
         normal: hit.normal,

@@ -53,7 +53,7 @@ pub struct Parts {
 }
 
 /// One direction of a bearing's stiffness.
-pub struct Spring {
+pub struct BearingSpring {
     /// The displacement it feels, as a row over coordinates before constraints.
     pub row: Vec<(usize, f64)>,
     /// Stiffness along that direction (N/m), always above zero.
@@ -226,7 +226,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// The bearings' symmetric stiffness as springs along its principal directions.
-    pub fn springs(&self) -> Vec<Spring> {
+    pub fn springs(&self) -> Vec<BearingSpring> {
         let mut springs = Vec::new();
         for bearing in &self.model.bearings {
             let [y, z] = attachments::bearing_rows(self.model, &self.numbering, bearing);
@@ -245,7 +245,7 @@ impl<'a> Assembly<'a> {
                 let stiffness = law(a, b);
                 let rounding = if off == 0.0 { 0.0 } else { 16.0 * f64::EPSILON * (kyy + kzz) };
                 if stiffness > rounding {
-                    springs.push(Spring { row: along(a, b), stiffness });
+                    springs.push(BearingSpring { row: along(a, b), stiffness });
                 }
             }
         }
@@ -253,7 +253,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// Stiffness of shaft, hubs and some of the [`Self::springs`].
-    pub fn stiffness_on<'s>(&self, springs: impl Iterator<Item = &'s Spring>) -> Sparse {
+    pub fn stiffness_on<'s>(&self, springs: impl Iterator<Item = &'s BearingSpring>) -> Sparse {
         let mut parts = self.elastic_parts();
         parts.nodal.extend(springs.map(|spring| Contribution {
             coordinates: spring.row.iter().map(|(i, _)| *i).collect(),

@@ -21,13 +21,13 @@ use nalgebra::{Matrix3, Vector3};
 const HUB: f64 = 4000.0;
 
 /// A vector of a triad as a sum over vectors of the shaft: first coordinate and weight of each.
-type Row = Vec<(usize, f64)>;
+type HubRow = Vec<(usize, f64)>;
 
 /// One hub: its vectors, times the reference length R, and what holds them.
 #[derive(Debug, Clone)]
 struct Triad {
     /// n, r_,y and r_,z; n is empty where there is no normal.
-    rows: [Row; 3],
+    rows: [HubRow; 3],
     /// Stiffness on each strain, `dU = sum k_ab E_ab dE_ab`, N m.
     moduli: Matrix3<f64>,
 }

@@ -42,7 +42,7 @@ impl Turned {
 }
 
 /// A load: forces on all coordinates (N) that are fixed in space, or a law.
-enum Law {
+enum LoadLaw {
     /// Forces on all coordinates (N) that keep their size and their direction in space.
     Fixed(Vec<f64>),
     /// A law whose forces depend on the displacement and rotation of one section.
@@ -68,7 +68,7 @@ pub struct Loads {
     /// Sum of gravity and of all loads that are fixed in space, on all coordinates, N.
     fixed: Vec<f64>,
     /// Every load: its path in the case (`loads.0`) and its law.
-    list: Vec<(String, Law)>,
+    list: Vec<(String, LoadLaw)>,
 }
 
 impl Loads {
@@ -102,7 +102,7 @@ impl Loads {
 
     /// True when some force depends on where the shaft is.
     pub fn depend_on_place(&self) -> bool {
-        self.list.iter().any(|(_, law)| !matches!(law, Law::Fixed(_)))
+        self.list.iter().any(|(_, law)| !matches!(law, LoadLaw::Fixed(_)))
     }
 
     /// Adds a factor times all forces in a place q, whose axes are turned.
@@ -122,9 +122,9 @@ impl Loads {
         let mut list = Vec::new();
         for (_, law) in &self.list {
             match law {
-                Law::Fixed(_) => {}
-                Law::Section(load) => list.push(load.tangent(q, axes)),
-                Law::Surface(elements) => list.extend(elements.iter().map(|e| e.tangent(q))),
+                LoadLaw::Fixed(_) => {}
+                LoadLaw::Section(load) => list.push(load.tangent(q, axes)),
+                LoadLaw::Surface(elements) => list.extend(elements.iter().map(|e| e.tangent(q))),
             }
         }
         list
@@ -132,7 +132,7 @@ impl Loads {
 
     /// Power of the forces that depend on the place, W.
     pub fn power_without_potential(&self, q: &[f64], velocity: &[f64], axes: Turned) -> f64 {
-        let moving = self.list.iter().filter(|(_, law)| !matches!(law, Law::Fixed(_)));
+        let moving = self.list.iter().filter(|(_, law)| !matches!(law, LoadLaw::Fixed(_)));
         moving.map(|(_, law)| law.power(q, velocity, axes)).sum()
     }
 
@@ -142,7 +142,7 @@ impl Loads {
     }
 }
 
-impl Law {
+impl LoadLaw {
     fn add(&self, q: &[f64], axes: Turned, factor: f64, force: &mut [f64]) {
         match self {
             Self::Fixed(_) => {}
@@ -209,14 +209,14 @@ impl Spread {
 }
 
 /// A law fixed in space, whose forces `add` adds: to those of all others and to its own.
-fn fixed_in_space(add: impl Fn(&mut [f64]), all: &mut [f64]) -> Law {
+fn fixed_in_space(add: impl Fn(&mut [f64]), all: &mut [f64]) -> LoadLaw {
     let mut own = vec![0.0; all.len()];
     add(all);
     add(&mut own);
-    Law::Fixed(own)
+    LoadLaw::Fixed(own)
 }
 
-fn nodal(model: &Model, numbering: &Numbering, load: &Load, all: &mut [f64]) -> Law {
+fn nodal(model: &Model, numbering: &Numbering, load: &Load, all: &mut [f64]) -> LoadLaw {
     match (load.kind, load.reading) {
         (LoadKind::Force(f), Reading::FixedInSpace | Reading::Dead) => {
             let weights = displacement_weights(model, load.node, load.acts_on);
@@ -230,14 +230,14 @@ fn nodal(model: &Model, numbering: &Numbering, load: &Load, all: &mut [f64]) -> 
         (LoadKind::Moment(m), Reading::Dead) => {
             fixed_in_space(|force| add_dead_moment(model, numbering, load, m, force), all)
         }
-        _ => Law::Section(SectionLoad::new(model, numbering, load)),
+        _ => LoadLaw::Section(SectionLoad::new(model, numbering, load)),
     }
 }
 
-fn spread(model: &Model, numbering: &Numbering, traction: &Traction, all: &mut [f64]) -> Law {
+fn spread(model: &Model, numbering: &Numbering, traction: &Traction, all: &mut [f64]) -> LoadLaw {
     if traction.reading == Reading::Following {
         let elements = model.elements.iter().map(|e| ElementSurface::new(model, numbering, e, traction));
-        return Law::Surface(elements.collect());
+        return LoadLaw::Surface(elements.collect());
     }
     let add = |force: &mut [f64]| {
         model.elements.iter().for_each(|e| add_dead_traction(model, numbering, e, traction, force));

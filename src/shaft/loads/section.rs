@@ -20,7 +20,7 @@ use num_dual::{DualNum, jacobian};
 /// y and z images of a section: d_y, then d_z.
 type Images<D> = SVector<D, 6>;
 /// Forces conjugate to the mean displacement, d_y and d_z.
-type Forces<D> = SVector<D, 9>;
+type SectionLoads<D> = SVector<D, 9>;
 
 /// A force or moment on a section.
 pub struct SectionLoad {
@@ -56,7 +56,7 @@ impl SectionLoad {
     }
 
     /// The forces conjugate to mean displacement and images.
-    fn forces<D: DualNum<f64> + Copy>(&self, images: Images<D>, axes: Turned) -> Forces<D> {
+    fn forces<D: DualNum<f64> + Copy>(&self, images: Images<D>, axes: Turned) -> SectionLoads<D> {
         let [y, z] = [0, 3].map(|at| [images[at], images[at + 1], images[at + 2]]);
         let frame = frame(y, z, self.inertia);
         let given = |v: [f64; 3]| {
@@ -71,7 +71,7 @@ impl SectionLoad {
         let (tilt_y, tilt_z) = (-dot(tilting, dual_y), -dot(tilting, dual_z));
         let [i_y, i_z] = self.inertia.map(D::from);
         let turning = dot(moment, n) / (dot(y, e_y) * i_y + dot(z, e_z) * i_z);
-        let mut all = Forces::<D>::from_element(D::zero());
+        let mut all = SectionLoads::<D>::from_element(D::zero());
         for c in 0..3 {
             all[c] = force[c];
             all[3 + c] = n[c] * tilt_y + e_z[c] * (turning * i_y);
@@ -92,7 +92,7 @@ impl SectionLoad {
 
     /// Derivative of the forces by the coordinates, `d force / d q`; without symmetry.
     pub fn tangent(&self, q: &[f64], axes: Turned) -> Contribution {
-        let (_, by_images): (Forces<f64>, SMatrix<f64, 9, 6>) =
+        let (_, by_images): (SectionLoads<f64>, SMatrix<f64, 9, 6>) =
             jacobian(|images| self.forces(images, axes), &self.images(q));
         let mut starts: Vec<usize> = self.rows.iter().flatten().map(|entry| entry.0).collect();
         starts.sort_unstable();

@@ -29,7 +29,7 @@ struct Around {
 }
 
 /// What acts on the surface: a pressure, or a traction that follows the section.
-enum Acting {
+enum ActingLoad {
     /// Pressure, Pa, on these points.
     Pressure(f64, Vec<Around>),
     /// Traction along the section's axes, Pa; lengths times functions summed over the line, the rows of d_y and d_z, and the
@@ -44,7 +44,7 @@ pub struct ElementSurface {
     /// Number of vectors of a node.
     vectors: usize,
     stations: Vec<Station>,
-    acting: Acting,
+    acting: ActingLoad,
 }
 
 impl ElementSurface {
@@ -74,7 +74,7 @@ impl ElementSurface {
                         tangent: at.iter().map(|f| n_y * f[2] - n_z * f[1]).collect(),
                     }
                 };
-                Acting::Pressure(p, line.iter().map(around).collect())
+                ActingLoad::Pressure(p, line.iter().map(around).collect())
             }
             SurfaceLoad::Traction(t) => {
                 let length = functions.along_any(&line, |p| p.length);
@@ -86,7 +86,7 @@ impl ElementSurface {
                         ([y, z], [1.0, region.moment(0, 2) / region.moment(2, 0)])
                     },
                 );
-                Acting::Traction(t, length, rows, weights)
+                ActingLoad::Traction(t, length, rows, weights)
             }
         };
         let starts = (0..=degree).map(|i| numbering.of_element(e, i)).collect();
@@ -110,7 +110,7 @@ impl ElementSurface {
             let values = self.vectors_at(q, &station.value);
             let mut on_vectors = vec![[0.0; 3]; self.vectors];
             match &self.acting {
-                Acting::Pressure(p, points) => {
+                ActingLoad::Pressure(p, points) => {
                     let slopes = self.vectors_at(q, &station.slope);
                     for point in points {
                         let (along, axial) = (sum(&point.tangent, &values), sum(&point.value, &slopes));
@@ -120,7 +120,7 @@ impl ElementSurface {
                         }
                     }
                 }
-                Acting::Traction(t, lengths, [y, z], weights) => {
+                ActingLoad::Traction(t, lengths, [y, z], weights) => {
                     let t = turn(&frame(sum(y, &values), sum(z, &values), *weights), *t);
                     for (f, length) in on_vectors.iter_mut().zip(lengths) {
                         (0..3).for_each(|c| f[c] += length * t[c]);
@@ -143,10 +143,10 @@ impl ElementSurface {
             let values = self.vectors_at(q, &station.value);
             // d (force on vector k) / d (vector l), by its value and by its slope
             let (by_value, by_slope) = match &self.acting {
-                Acting::Pressure(p, points) => {
+                ActingLoad::Pressure(p, points) => {
                     self.pressure_tangent(*p, points, &values, &self.vectors_at(q, &station.slope))
                 }
-                Acting::Traction(t, lengths, rows, weights) => {
+                ActingLoad::Traction(t, lengths, rows, weights) => {
                     (traction_tangent(*t, lengths, rows, *weights, &values), Mat::zeros(0, 0))
                 }
             };

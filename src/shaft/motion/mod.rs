@@ -26,7 +26,7 @@ use crate::shaft::attachments::{Contribution, displacement_weights, drives};
 use crate::shaft::drive::{Drive, Turn};
 use crate::shaft::internal_forces::{Forces, ScalarMass, Workspace};
 use crate::shaft::loads::{Loads, Turned, Which};
-use crate::shaft::stator_ring::{Ring, Rub};
+use crate::shaft::stator_ring::{Rub, StatorRing};
 use faer::{Mat, MatRef, Scale};
 use nalgebra::{Matrix3, Vector3};
 
@@ -76,7 +76,7 @@ pub struct Powers {
 
 /// Energies and momentum of a state.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct State {
+pub struct MotionState {
     /// Kinetic energy of shaft and disks as seen from space, J.
     pub kinetic: f64,
     /// Strain energy of elements and hubs, J.
@@ -91,7 +91,7 @@ pub struct State {
 
 /// How often forces were evaluated and matrices factorised.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Counts {
+pub struct MotionCounts {
     /// Evaluations of the nonlinear forces.
     pub force_evaluations: usize,
     /// Newton matrices that were built and factorised.
@@ -109,7 +109,7 @@ pub struct Dynamics<'a> {
     /// Frame of the unknowns.
     pub frame: Frame,
     /// Work done so far.
-    pub counts: Counts,
+    pub counts: MotionCounts,
     /// Powers at the last evaluation.
     pub powers: Powers,
     forces: Forces<'a>,
@@ -235,7 +235,7 @@ impl<'a> Dynamics<'a> {
             assembly,
             drive,
             frame,
-            counts: Counts::default(),
+            counts: MotionCounts::default(),
             powers: Powers::default(),
             forces,
             mass,
@@ -252,7 +252,7 @@ impl<'a> Dynamics<'a> {
 
     /// Puts rings around the shaft, which turns with at most that speed, rad/s.
     pub fn surround(&mut self, stators: &[Stator], fastest: f64) {
-        self.rub.rings = stators.iter().map(|s| Ring::new(self.assembly, s, fastest)).collect();
+        self.rub.rings = stators.iter().map(|s| StatorRing::new(self.assembly, s, fastest)).collect();
     }
 
     /// The rings around the shaft and what they took.
@@ -523,7 +523,7 @@ impl<'a> Dynamics<'a> {
     }
 
     /// Energies and angular momentum of a state.
-    pub fn state(&mut self, t: f64, z: &[f64], v: &[f64]) -> State {
+    pub fn state(&mut self, t: f64, z: &[f64], v: &[f64]) -> MotionState {
         let zero = vec![0.0; z.len()];
         let turn = self.turn(t, z, v, &zero);
         self.move_to(turn, z, v, &zero);
@@ -544,7 +544,7 @@ impl<'a> Dynamics<'a> {
             let (y, z) = (cos * q[1] - sin * q[2], sin * q[1] + cos * q[2]);
             potential -= f[0] * (q[0] - q0[0]) + f[1] * (y - q0[1]) + f[2] * (z - q0[2]);
         }
-        State {
+        MotionState {
             kinetic: dot(&m.velocity, &m.inertia) / 2.0,
             strain,
             potential,

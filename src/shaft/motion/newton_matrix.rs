@@ -7,7 +7,7 @@ use crate::model::Frame;
 use crate::shaft::attachments::Contribution;
 use crate::shaft::drive::Turn;
 use crate::shaft::motion::{Dynamics, Following, scaled, turn_pair, turn_vectors};
-use crate::shaft::stator_ring::{self, Touch};
+use crate::shaft::stator_ring::{self, RubTouch};
 use faer::{Mat, Scale};
 use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
 
@@ -88,7 +88,7 @@ impl Dynamics<'_> {
     /// Rings in contact at the last evaluation and the outward normal there in the coordinates of a Newton matrix:
     /// the unknowns', or for one that follows the sections those of the section.
     pub(super) fn contact_directions(&self, follows: bool) -> Vec<(usize, Vector3<f64>)> {
-        let direction = |touch: &Touch| {
+        let direction = |touch: &RubTouch| {
             let normal = Vector3::new(0.0, touch.place[0], touch.place[1]).normalize();
             (touch.ring, self.to_matrix(self.rub.rings[touch.ring].node, follows) * normal)
         };
@@ -122,17 +122,17 @@ impl Dynamics<'_> {
         speed: f64,
         follows: bool,
     ) -> Vec<Contribution> {
-        let one = |touch: &Touch| {
+        let one = |touch: &RubTouch| {
             let ring = &self.rub.rings[touch.ring];
             let [by_place, by_rate] = ring.law.tangents(&touch.place, &touch.rate);
             // seen from space the coordinates of a turning node move by Omega e_x x q besides their own rate
             let turns = self.frame == Frame::Rotating || self.nodes[ring.node].turned;
-            let cross = stator_ring::Matrix::from_fn(|i, j| match (i / 2 == j / 2, i % 2, j % 2) {
+            let cross = stator_ring::PlaneMatrix::from_fn(|i, j| match (i / 2 == j / 2, i % 2, j % 2) {
                 (true, 0, 1) => -speed,
                 (true, 1, 0) => speed,
                 _ => 0.0,
             });
-            let carried = if turns { by_rate * cross } else { stator_ring::Matrix::zeros() };
+            let carried = if turns { by_rate * cross } else { stator_ring::PlaneMatrix::zeros() };
             let plane = -(by_place + carried) * c_k - by_rate * c_v;
             let mut full = SMatrix::<f64, 9, 9>::zeros();
             for (i, j) in (0..6).flat_map(|i| (0..6).map(move |j| (i, j))) {

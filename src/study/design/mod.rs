@@ -13,7 +13,7 @@ use serde_json::{Map, Value};
 use std::cmp::Ordering;
 
 /// Settings of a point: values by path.
-pub type Settings = Map<String, Value>;
+pub type PointSettings = Map<String, Value>;
 
 /// A finer point's error counts as larger from this factor on.
 const CLEARLY: f64 = 1.01;
@@ -118,14 +118,14 @@ pub struct Measurement {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
     /// Its settings.
-    pub settings: Settings,
+    pub settings: PointSettings,
     /// What it gave.
     pub outcome: std::result::Result<Measurement, String>,
 }
 
 /// What the quantity is compared with.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Reference {
+pub enum ComparedWith {
     /// A number of the tradeoff block.
     Number(f64),
     /// A number that the case expects, and its source.
@@ -148,16 +148,16 @@ pub struct Subject {
     /// Points at a time.
     pub points_at_a_time: usize,
     /// What the quantity is compared with.
-    pub reference: Reference,
+    pub reference: ComparedWith,
     /// Largest relative error allowed.
     pub target: Option<f64>,
 }
 
 /// Every combination of a grid's values; the last path varies fastest. Combinations that are there already are left out.
-pub fn expand(grid: &Grid) -> Vec<Settings> {
-    let mut points: Vec<Settings> = Vec::new();
+pub fn expand(grid: &Grid) -> Vec<PointSettings> {
+    let mut points: Vec<PointSettings> = Vec::new();
     for axes in grid.products() {
-        let mut product = vec![Settings::new()];
+        let mut product = vec![PointSettings::new()];
         for (path, values) in axes {
             let values = values.as_array().map_or(&[][..], Vec::as_slice);
             product = product
@@ -181,7 +181,7 @@ pub fn expand(grid: &Grid) -> Vec<Settings> {
 }
 
 /// Names of the points: the values of what varies among them.
-pub fn names(points: &[&Settings]) -> Vec<String> {
+pub fn names(points: &[&PointSettings]) -> Vec<String> {
     let mut paths: Vec<&String> = Vec::new();
     for path in points.iter().flat_map(|point| point.keys()) {
         if !paths.contains(&path) {
@@ -200,7 +200,7 @@ pub fn names(points: &[&Settings]) -> Vec<String> {
             (_, value) => format!("{path} {}", plain(value)),
         }
     };
-    let name = |point: &&Settings| {
+    let name = |point: &&PointSettings| {
         let words = paths.iter().filter_map(|path| point.get(*path).map(|value| word(path, value)));
         let words = words.collect::<Vec<_>>().join(", ");
         if words.is_empty() { "as the case".to_owned() } else { words }
@@ -261,7 +261,7 @@ fn richness(a: &str, b: &str) -> Option<Ordering> {
 }
 
 /// The axes along which `a` is finer than `b`.
-fn refined_axes(a: &Settings, b: &Settings) -> Vec<Axis> {
+fn refined_axes(a: &PointSettings, b: &PointSettings) -> Vec<Axis> {
     let finer = |(path, value): (&String, &Value)| {
         let other = b.get(path)?;
         (fineness(path, value, other) == Some(Ordering::Greater)).then(|| Axis::of(path)).flatten()
@@ -273,7 +273,7 @@ fn refined_axes(a: &Settings, b: &Settings) -> Vec<Axis> {
 }
 
 /// Whether `a` is finer than `b`: all else equal, more elements, points or vectors, or smaller tolerances.
-pub fn is_finer(a: &Settings, b: &Settings) -> bool {
+pub fn is_finer(a: &PointSettings, b: &PointSettings) -> bool {
     let mut finer = false;
     for (path, value) in a {
         match b.get(path) {
@@ -290,7 +290,7 @@ pub fn is_finer(a: &Settings, b: &Settings) -> bool {
 }
 
 /// Tolerances of a point, for ties of the finest: the product of all, 1 without any.
-fn tolerance(settings: &Settings) -> f64 {
+fn tolerance(settings: &PointSettings) -> f64 {
     let of = |(path, value): (&String, &Value)| {
         let name = path.rsplit('.').next().unwrap_or_default();
         if ["rtol", "atol", "tolerance", "step"].contains(&name) { value.as_f64() } else { None }
@@ -318,7 +318,7 @@ fn finest(points: &[Measured]) -> Option<usize> {
 /// Errors, front and choice of measured points, with remarks; a target out of reach is a remark of level error.
 pub fn tradeoff(subject: &Subject, measured: &[Measured]) -> (Tradeoff, Vec<Diagnostic>) {
     let reference = reference(&subject.reference, measured);
-    let settings: Vec<&Settings> = measured.iter().map(|m| &m.settings).collect();
+    let settings: Vec<&PointSettings> = measured.iter().map(|m| &m.settings).collect();
     let mut points: Vec<TradeoffPoint> = Vec::new();
     for (index, (point, name)) in measured.iter().zip(names(&settings)).enumerate() {
         let found = point.outcome.as_ref().ok();
@@ -373,7 +373,7 @@ pub fn tradeoff(subject: &Subject, measured: &[Measured]) -> (Tradeoff, Vec<Diag
     (results, remarks)
 }
 
-fn reference(wanted: &Reference, measured: &[Measured]) -> TradeoffReference {
+fn reference(wanted: &ComparedWith, measured: &[Measured]) -> TradeoffReference {
     let given = |value: f64, kind, source| TradeoffReference {
         value: Some(value),
         kind,
@@ -384,9 +384,9 @@ fn reference(wanted: &Reference, measured: &[Measured]) -> TradeoffReference {
         refined: Vec::new(),
     };
     match wanted {
-        Reference::Number(value) => given(*value, "number", None),
-        Reference::Expected(value, source) => given(*value, "expected", Some(source.clone())),
-        Reference::Finest => {
+        ComparedWith::Number(value) => given(*value, "number", None),
+        ComparedWith::Expected(value, source) => given(*value, "expected", Some(source.clone())),
+        ComparedWith::Finest => {
             let point = finest(measured);
             let of = point.map(|i| &measured[i]);
             let levels = point.map_or_else(Vec::new, |i| coarser_levels(measured, i));

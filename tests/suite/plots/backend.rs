@@ -5,7 +5,7 @@ use plotters::element::{Circle, PathElement, Rectangle, Text};
 use plotters::style::{BLACK, BLUE, Color, IntoFont, RED, TextStyle, WHITE};
 use plotters_backend::DrawingBackend;
 use rotor::draw::clip::{distance, simplified};
-use rotor::draw::palette::{self, Line, Stroke};
+use rotor::draw::palette::{self, LineStyle, Stroke};
 use rotor::draw::sheet::figure;
 use rotor::draw::svg::Svg;
 use rotor::draw::text::Anchor;
@@ -155,7 +155,9 @@ fn the_same_calls_give_the_same_bytes() {
     let draw = || {
         figure(300.0, 200.0, |pen| {
             pen.group("curve", "one", |pen| {
-                for (k, line) in [Line::Solid, Line::Dashed, Line::Dotted].into_iter().enumerate() {
+                for (k, line) in
+                    [LineStyle::Solid, LineStyle::Dashed, LineStyle::Dotted].into_iter().enumerate()
+                {
                     let y = 20.0 * k as f64 + 0.123_456_789;
                     pen.path(
                         &[(0.1, y), (99.9, y), (150.0, 0.0)],

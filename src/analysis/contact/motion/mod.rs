@@ -3,16 +3,16 @@
 
 mod semi_implicit;
 
-use crate::analysis::contact::recorder::{Energies, Recorder, Touch};
+use crate::analysis::contact::recorder::{ContactTouch, Energies, SceneRecorder};
 use crate::error::{Error, Result};
 use crate::linalg::factor::Ldlt;
-use crate::linalg::lu::{Entries, Solver};
+use crate::linalg::lu::{Entries, LuSolver};
 use crate::model::scene::{Enforcement, Stepping};
 use crate::results::{ContactCost, ContactSolver};
 use crate::scene::bodies::Bodies;
 use crate::scene::gap::Hit;
-use crate::scene::penalty::{self, GapGradient, Stroke, Sums};
-use crate::scene::planar::probes::Search;
+use crate::scene::penalty::{self, GapGradient, SpringStroke, Sums};
+use crate::scene::planar::probes::PlanarSearch;
 use std::time::Instant;
 
 /// Newton iterations of a step.
@@ -40,7 +40,7 @@ pub struct Motion<'a> {
     /// The bodies.
     pub bodies: &'a Bodies<'a>,
     /// Detection.
-    pub search: Search,
+    pub search: PlanarSearch,
     /// Coordinates.
     pub q: Vec<f64>,
     /// Their rates, 1/s.
@@ -58,7 +58,7 @@ pub struct Motion<'a> {
     mass: Option<Ldlt<f64>>,
     /// Internal force and strain energy at `q`.
     internal: (Vec<f64>, f64),
-    solver: Solver,
+    solver: LuSolver,
     entries: Entries,
     /// Derivatives of the springs, between the curves that have met since the last search.
     springs: Sums,
@@ -88,21 +88,21 @@ impl Factored {
 }
 
 /// Why a step of this size did not succeed; a smaller one may.
-enum Failure {
+enum StepFailure {
     /// What happened, and the remedy when the smallest step fails too.
     Smaller(String, &'static str),
     Final(Error),
 }
 
 /// Springs that give way too much.
-fn sunk(depth: f64) -> Failure {
-    Failure::Smaller(
+fn sunk(depth: f64) -> StepFailure {
+    StepFailure::Smaller(
         format!("a penetration of {depth:.1e} m"),
         "take a larger contact.penalty: the springs are too soft for this impact; or a smaller contact.step",
     )
 }
 
-impl From<Error> for Failure {
+impl From<Error> for StepFailure {
     fn from(error: Error) -> Self {
         Self::Final(error)
     }
@@ -116,7 +116,7 @@ struct Stepped {
     contact: f64,
     work: f64,
     impulse: [f64; 3],
-    touches: Vec<Touch>,
+    touches: Vec<ContactTouch>,
 }
 
 impl<'a> Motion<'a> {
@@ -124,7 +124,7 @@ impl<'a> Motion<'a> {
     ///
     /// # Errors
     /// A mass matrix that can't be factorised.
-    pub fn new(bodies: &'a Bodies<'a>, search: Search) -> Result<Self> {
+    pub fn new(bodies: &'a Bodies<'a>, search: PlanarSearch) -> Result<Self> {
         let scene = bodies.scene;
         let mass = match scene.contact.stepping {
             Stepping::SemiImplicit => Some(Ldlt::new(&bodies.mass()?)?),
@@ -145,7 +145,7 @@ impl<'a> Motion<'a> {
             impulse: [0.0; 3],
             mass,
             internal: (force, energy),
-            solver: Solver::default(),
+            solver: LuSolver::default(),
             entries: Entries::default(),
             springs: Sums::default(),
             searched: 0,
@@ -159,7 +159,7 @@ impl<'a> Motion<'a> {
     ///
     /// # Errors
     /// As there.
-    pub fn advance(&mut self, dt: f64, recorder: &mut Recorder<'_>) -> Result<()> {
+    pub fn advance(&mut self, dt: f64, recorder: &mut SceneRecorder<'_>) -> Result<()> {
         self.try_advance(dt, recorder).map_err(|error| {
             let fastest = self.bodies.fastest_vibration();
             let explicit = self.bodies.scene.contact.stepping == Stepping::SemiImplicit;
@@ -181,7 +181,7 @@ impl<'a> Motion<'a> {
     ///
     /// # Errors
     /// A step that fails at its smallest size, or a complementarity problem without solution.
-    fn try_advance(&mut self, dt: f64, recorder: &mut Recorder<'_>) -> Result<()> {
+    fn try_advance(&mut self, dt: f64, recorder: &mut SceneRecorder<'_>) -> Result<()> {
         let mut parts = 1;
         if self.bodies.scene.contact.method != Enforcement::None {
             parts = self.search.prepare(self.bodies, &self.q, &self.v, dt);
@@ -217,8 +217,8 @@ impl<'a> Motion<'a> {
                     self.t = if now < end - self.t { self.t + now } else { end };
                     self.accept(step, now, recorder);
                 }
-                Err(Failure::Final(error)) => return Err(error),
-                Err(Failure::Smaller(why, remedy)) => {
+                Err(StepFailure::Final(error)) => return Err(error),
+                Err(StepFailure::Smaller(why, remedy)) => {
                     parts = 2;
                     part = now / 2.0;
                     self.stats.cut += 1;
@@ -238,7 +238,7 @@ impl<'a> Motion<'a> {
 
     /// A step in which no surface has moved further than detection looks ahead: forces and impacts may move it further than the
     /// velocity at the start of the step says.
-    fn seen(&self, step: Stepped) -> std::result::Result<Stepped, Failure> {
+    fn seen(&self, step: Stepped) -> std::result::Result<Stepped, StepFailure> {
         if self.bodies.scene.contact.method == Enforcement::None {
             return Ok(step);
         }
@@ -247,13 +247,13 @@ impl<'a> Motion<'a> {
         if travel <= self.search.reach(&self.q) {
             return Ok(step);
         }
-        Err(Failure::Smaller(
+        Err(StepFailure::Smaller(
             format!("a surface moves by {travel:.1e} m within the step and could pass through another"),
             "take a smaller contact.step",
         ))
     }
 
-    fn accept(&mut self, step: Stepped, dt: f64, recorder: &mut Recorder<'_>) {
+    fn accept(&mut self, step: Stepped, dt: f64, recorder: &mut SceneRecorder<'_>) {
         self.work += step.work;
         self.impulse.iter_mut().zip(step.impulse).for_each(|(sum, part)| *sum += part);
         (self.q, self.v, self.internal) = (step.q, step.v, step.internal);
@@ -274,7 +274,7 @@ impl<'a> Motion<'a> {
         }
     }
 
-    fn consistent(&mut self, dt: f64, before: &[Option<Hit>]) -> std::result::Result<Stepped, Failure> {
+    fn consistent(&mut self, dt: f64, before: &[Option<Hit>]) -> std::result::Result<Stepped, StepFailure> {
         let (bodies, n) = (self.bodies, self.bodies.len());
         let (q0, v0, unknown) = (self.q.clone(), self.v.clone(), bodies.unknown());
         let searched = self.search.counts.searches;
@@ -311,7 +311,7 @@ impl<'a> Motion<'a> {
                 self.springs.clear();
             }
             let search = &self.search;
-            let gradient_after = |stroke: &Stroke| {
+            let gradient_after = |stroke: &SpringStroke| {
                 let spring = |hit: Hit| search.spring(&search.probes[stroke.probe], &hit);
                 stroke.hit_after.map_or(Vec::new(), |hit| spring(hit).gap.gradient(bodies.components()))
             };
@@ -337,7 +337,7 @@ impl<'a> Motion<'a> {
             if fresh || solved.is_err() {
                 self.factored = solved.is_ok().then_some(here);
             }
-            solved.map_err(|e| Failure::Smaller(e.to_string(), STIFF))?;
+            solved.map_err(|e| StepFailure::Smaller(e.to_string(), STIFF))?;
             let size = delta.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
             for (d, &k) in delta.iter().zip(bodies.free()) {
                 moved[k] += d;
@@ -358,7 +358,7 @@ impl<'a> Motion<'a> {
             last = size;
         }
         self.factored = None;
-        Err(Failure::Smaller(
+        Err(StepFailure::Smaller(
             match last.is_finite() {
                 true => format!("Newton's method did not converge (last correction {last:.1e} m)"),
                 false => "Newton's method is lost: its first correction leaves all bounds".to_owned(),
@@ -375,7 +375,7 @@ impl<'a> Motion<'a> {
         moved: &[f64],
         v0: &[f64],
         before: &[Option<Hit>],
-    ) -> std::result::Result<Stepped, Failure> {
+    ) -> std::result::Result<Stepped, StepFailure> {
         let (bodies, n) = (self.bodies, self.bodies.len());
         let q1: Vec<f64> = q0.iter().zip(moved).map(|(q, d)| q + d).collect();
         let middle: Vec<f64> = q0.iter().zip(&q1).map(|(a, b)| (a + b) / 2.0).collect();
@@ -389,14 +389,14 @@ impl<'a> Motion<'a> {
         if deepest < -DEEPEST * self.height {
             return Err(sunk(-deepest));
         }
-        let contact = strokes.iter().map(Stroke::energy).sum();
-        let touch = |stroke: &Stroke| Touch {
+        let contact = strokes.iter().map(SpringStroke::energy).sum();
+        let touch = |stroke: &SpringStroke| ContactTouch {
             bodies: stroke.middle.bodies,
             positions: stroke.middle.positions,
             model: stroke.middle.model,
             penetration: (-stroke.after).max(0.0),
             force: stroke.average(q0, &q1, bodies.components()).force(),
-            within: Touch::within(stroke.before, stroke.after),
+            within: ContactTouch::within(stroke.before, stroke.after),
         };
         let touches = strokes.iter().map(touch).collect();
         bodies.loads(&middle, self.t + dt / 2.0, 1.0, &mut load, None);
@@ -419,7 +419,7 @@ impl<'a> Motion<'a> {
     }
 
     /// Springs that are compressed at either end of a step.
-    fn strokes(&mut self, before: &[Option<Hit>], q1: &[f64], middle: &[f64]) -> Vec<Stroke> {
+    fn strokes(&mut self, before: &[Option<Hit>], q1: &[f64], middle: &[f64]) -> Vec<SpringStroke> {
         if before.is_empty() {
             return Vec::new();
         }
@@ -437,7 +437,7 @@ impl<'a> Motion<'a> {
             let Some(hit) = between.filter(|h| !h.at_corner).or(after).or(*first) else { continue };
             let value =
                 |hit: &Option<Hit>| hit.map_or(0.0, |h| if h.at_corner { h.gap.max(0.0) } else { h.gap });
-            list.push(Stroke {
+            list.push(SpringStroke {
                 probe: index,
                 middle: search.spring(probe, &hit),
                 before: value(first),

@@ -1,14 +1,14 @@
 //! The semi-implicit Euler step with penalty springs, or with complementarity of gap velocity and impulse.
 
-use crate::analysis::contact::motion::{DEEPEST, Failure, Motion, Stepped, sunk};
-use crate::analysis::contact::recorder::Touch;
+use crate::analysis::contact::motion::{DEEPEST, Motion, StepFailure, Stepped, sunk};
+use crate::analysis::contact::recorder::ContactTouch;
 use crate::error::{Error, Result};
 use crate::linalg::lcp::lemke;
 use crate::model::scene::Enforcement;
 use crate::scene::gap::Gap;
 use crate::scene::gap::Hit;
-use crate::scene::penalty::{self, Model, Spring};
-use crate::scene::planar::probes::Probe;
+use crate::scene::penalty::{self, ContactModel, ContactSpring};
+use crate::scene::planar::probes::ContactProbe;
 use faer::Mat;
 use std::time::Instant;
 
@@ -22,10 +22,10 @@ const PROJECTIONS: usize = 5;
 const PROJECTED: f64 = 1e-9;
 
 /// A contact of a complementarity problem.
-pub(super) struct Contact {
+pub(super) struct GapConstraint {
     bodies: (usize, usize),
     positions: [f64; 2],
-    model: Model,
+    model: ContactModel,
     gap: Gap,
     gradient: Vec<(usize, f64)>,
 }
@@ -35,7 +35,7 @@ impl Motion<'_> {
         &mut self,
         dt: f64,
         before: &[Option<Hit>],
-    ) -> std::result::Result<Stepped, Failure> {
+    ) -> std::result::Result<Stepped, StepFailure> {
         let (bodies, n) = (self.bodies, self.bodies.len());
         let (method, unknown) = (bodies.scene.contact.method, bodies.unknown());
         let mut load = vec![0.0; n];
@@ -44,12 +44,13 @@ impl Motion<'_> {
         let mut touches = Vec::new();
         if method == Enforcement::Penalty {
             let start = Instant::now();
-            let closed = |(probe, hit): (&Probe, &Option<Hit>)| {
+            let closed = |(probe, hit): (&ContactProbe, &Option<Hit>)| {
                 hit.filter(|h| h.gap <= 0.0 && !h.at_corner).map(|hit| self.search.spring(probe, &hit))
             };
-            let springs: Vec<Spring> = self.search.probes.iter().zip(before).filter_map(closed).collect();
+            let springs: Vec<ContactSpring> =
+                self.search.probes.iter().zip(before).filter_map(closed).collect();
             penalty::add(&springs, &self.q, bodies.components(), unknown, &mut force, None);
-            touches.extend(springs.iter().filter(|s| s.gap.value < 0.0).map(|s| Touch {
+            touches.extend(springs.iter().filter(|s| s.gap.value < 0.0).map(|s| ContactTouch {
                 bodies: s.bodies,
                 positions: s.positions,
                 model: s.model,
@@ -70,7 +71,7 @@ impl Motion<'_> {
         if method == Enforcement::Lcp || single {
             contacts = self.contacts(before, |gap, gradient| gap + dt * penalty::rate(gradient, &v1));
             if single {
-                let predicted = |c: &Contact| c.gap.value / dt + penalty::rate(&c.gradient, &v1);
+                let predicted = |c: &GapConstraint| c.gap.value / dt + penalty::rate(&c.gradient, &v1);
                 contacts.sort_by(|a, b| predicted(a).total_cmp(&predicted(b)));
                 contacts.truncate(1);
             }
@@ -86,7 +87,7 @@ impl Motion<'_> {
             let (impulses, change) = self.impulses(&contacts, &velocities)?;
             bodies.free().iter().zip(&change).for_each(|(&k, d)| v1[k] += d);
             for (c, impulse) in contacts.iter().zip(&impulses).filter(|(_, i)| **i > 0.0) {
-                touches.push(Touch {
+                touches.push(ContactTouch {
                     bodies: c.bodies,
                     positions: c.positions,
                     model: c.model,
@@ -107,7 +108,7 @@ impl Motion<'_> {
         internal.1 = bodies.internal_force(&q1, &mut internal.0);
         self.cost.elements_s += start.elapsed().as_secs_f64();
         if !internal.1.is_finite() || q1.iter().any(|q| !(q.abs() < 1e12)) {
-            return Err(Failure::Final(Error::analysis(
+            return Err(StepFailure::Final(Error::analysis(
                 format!("the motion has left all bounds at {:.6} s", self.t),
                 format!("semi-implicit Euler steps of {dt:.3e} s"),
                 "take a smaller contact.step (it must resolve the fastest wave through an element), or the \
@@ -117,8 +118,8 @@ impl Motion<'_> {
         let mut contact = 0.0;
         if method == Enforcement::Penalty {
             let springs = self.springs(&q1);
-            contact = springs.iter().map(Spring::energy).sum();
-            let deepest = springs.iter().map(Spring::penetration).fold(0.0, f64::max);
+            contact = springs.iter().map(ContactSpring::energy).sum();
+            let deepest = springs.iter().map(ContactSpring::penetration).fold(0.0, f64::max);
             if deepest > DEEPEST * self.height {
                 return Err(sunk(deepest));
             }
@@ -127,7 +128,7 @@ impl Motion<'_> {
     }
 
     /// Compressed springs.
-    pub(super) fn springs(&self, q: &[f64]) -> Vec<Spring> {
+    pub(super) fn springs(&self, q: &[f64]) -> Vec<ContactSpring> {
         self.search.springs(self.bodies, q, 0.0).into_iter().map(|(_, spring)| spring).collect()
     }
 
@@ -144,7 +145,7 @@ impl Motion<'_> {
         &mut self,
         hits: &[Option<Hit>],
         later: impl Fn(f64, &[(usize, f64)]) -> f64,
-    ) -> Vec<Contact> {
+    ) -> Vec<GapConstraint> {
         let start = Instant::now();
         let mut list = Vec::new();
         for (probe, hit) in self.search.probes.iter().zip(hits) {
@@ -152,7 +153,7 @@ impl Motion<'_> {
             let spring = self.search.spring(probe, &hit);
             let gradient = spring.gap.gradient(self.bodies.components());
             if later(hit.gap, &gradient) < CLOSE * self.height {
-                list.push(Contact {
+                list.push(GapConstraint {
                     bodies: spring.bodies,
                     positions: spring.positions,
                     model: spring.model,
@@ -166,7 +167,7 @@ impl Motion<'_> {
     }
 
     /// Solves `N x + p >= 0, x >= 0, x (N x + p) = 0` with `N = D^T M^-1 D`; returns x and `M^-1 D x`.
-    pub(super) fn impulses(&mut self, contacts: &[Contact], p: &[f64]) -> Result<(Vec<f64>, Vec<f64>)> {
+    pub(super) fn impulses(&mut self, contacts: &[GapConstraint], p: &[f64]) -> Result<(Vec<f64>, Vec<f64>)> {
         let start = Instant::now();
         let (count, unknown) = (contacts.len(), self.bodies.unknown());
         let mut d = Mat::<f64>::zeros(self.bodies.free().len(), count);

@@ -1,12 +1,14 @@
 //! Gaps of probes: which curve each may touch, and how far it is from it.
 
-use crate::model::scene::{Face as Place, Scene};
+use crate::model::scene::{Face, Scene};
 use crate::scene::bodies::Bodies;
 use crate::scene::gap::Hit;
 use crate::scene::near_pairs::{Aabb, bezier};
-use crate::scene::penalty::{Model, Spring};
+use crate::scene::penalty::{ContactModel, ContactSpring};
 use crate::scene::planar::boundary::{Contours, FACING, Reach, differentiable, gap, normal, on_curve};
-use crate::scene::planar::probes::{Key, Kind, NEIGHBOURS, Onto, Probe, Search, apart, at_nodes, slave_of};
+use crate::scene::planar::probes::{
+    ContactProbe, Key, Kind, NEIGHBOURS, Onto, PlanarSearch, apart, at_nodes, slave_of,
+};
 use nalgebra::Vector3;
 
 /// What the distance to a boundary is multiplied by on the way out past an end of the side that a point faces.
@@ -21,14 +23,14 @@ pub(super) fn distance_to(b: &Aabb, x: &Vector3<f64>) -> f64 {
     (b.low - x).sup(&(x - b.high)).sup(&Vector3::zeros()).norm()
 }
 
-impl Search {
+impl PlanarSearch {
     /// All curves in the state `q`.
     pub fn contours(&self, q: &[f64]) -> Contours {
         Contours::new(&self.faces, q)
     }
 
     /// Gap of a probe; `None` when it touches nothing or nothing is near.
-    pub fn gap(&self, bodies: &Bodies<'_>, probe: &Probe, contours: &Contours) -> Option<Hit> {
+    pub fn gap(&self, bodies: &Bodies<'_>, probe: &ContactProbe, contours: &Contours) -> Option<Hit> {
         let near = self.near(probe);
         match probe.onto {
             _ if near.is_empty() => None,
@@ -44,7 +46,7 @@ impl Search {
         &self,
         slave: (usize, f64),
         near: &[usize],
-        place: Place,
+        place: Face,
         contours: &Contours,
     ) -> Option<Hit> {
         let nearest = self.gap_to_any(slave, near, contours)?;
@@ -59,18 +61,18 @@ impl Search {
     }
 
     /// A probe's hit as a spring.
-    pub fn spring(&self, probe: &Probe, hit: &Hit) -> Spring {
+    pub fn spring(&self, probe: &ContactProbe, hit: &Hit) -> ContactSpring {
         let (slave, master) = (&self.faces[probe.slave.0], &self.faces[hit.face]);
         let neighbour = &self.faces[if hit.zeta > 0.0 { master.next } else { master.previous }];
         let to_end = (1.0 - hit.zeta.abs()) / 2.0 * master.length;
         let model = match probe.kind {
-            Kind::Line => Model::LineToLine,
+            Kind::Line => ContactModel::LineToLine,
             Kind::Corner if master.corner(neighbour) && to_end < AT_CORNER * self.height => {
-                Model::PointToPoint
+                ContactModel::PointToPoint
             }
-            Kind::Corner | Kind::Node => Model::PointToSegment,
+            Kind::Corner | Kind::Node => ContactModel::PointToSegment,
         };
-        Spring {
+        ContactSpring {
             weight: probe.weight,
             bodies: (slave.body, master.body),
             positions: [slave.position(probe.slave.1), master.position(hit.zeta)],
@@ -81,7 +83,7 @@ impl Search {
 
     /// All springs with a gap below `limit` (m) in the state `q`, each with the key of its probe. Nodes touch only what one of their own
     /// faces faces: a constraint of a corner on the face beside another corner would hold it back without any obstacle.
-    pub fn springs(&self, bodies: &Bodies<'_>, q: &[f64], limit: f64) -> Vec<(Key, Spring)> {
+    pub fn springs(&self, bodies: &Bodies<'_>, q: &[f64], limit: f64) -> Vec<(Key, ContactSpring)> {
         if !self.any {
             return Vec::new();
         }
@@ -95,7 +97,7 @@ impl Search {
     }
 
     /// Whether a face that a probe lies on faces what it has met.
-    pub(super) fn faces_it(&self, probe: &Probe, hit: &Hit, contours: &Contours) -> bool {
+    pub(super) fn faces_it(&self, probe: &ContactProbe, hit: &Hit, contours: &Contours) -> bool {
         let face = &self.faces[probe.slave.0];
         let own = normal(contours.points(probe.slave.0), probe.slave.1);
         let next = normal(contours.points(face.next), -1.0);
@@ -168,7 +170,7 @@ impl Search {
     }
 
     /// What a probe may touch that is near a place of another boundary.
-    pub(super) fn onto(&self, scene: &Scene, probe: &Probe, hit: &Hit, contours: &Contours) -> Onto {
+    pub(super) fn onto(&self, scene: &Scene, probe: &ContactProbe, hit: &Hit, contours: &Contours) -> Onto {
         let face = &self.faces[probe.slave.0];
         let n = normal(contours.points(probe.slave.0), probe.slave.1);
         match probe.kind {

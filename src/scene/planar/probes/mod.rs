@@ -10,10 +10,10 @@
 mod gaps;
 
 use crate::element::quadrature::gauss;
-use crate::model::scene::{ContactSettings, Enforcement, Face as Place, Scene};
+use crate::model::scene::{ContactSettings, Enforcement, Face, Scene};
 use crate::scene::bodies::Bodies;
 use crate::scene::near_pairs::{Aabb, OrientedBox, bezier, clip, near_pairs};
-use crate::scene::planar::boundary::{Face, faces, normal, on_curve};
+use crate::scene::planar::boundary::{BoundaryCurve, faces, normal, on_curve};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -44,7 +44,7 @@ pub enum Kind {
 
 /// A point of one boundary that is watched against one body.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Probe {
+pub struct ContactProbe {
     /// Curve and parameter.
     pub slave: (usize, f64),
     /// Body that it may penetrate.
@@ -68,13 +68,13 @@ enum Onto {
     /// Whatever is nearest.
     Nearest,
     /// The side that it faces.
-    Side(Place),
+    Side(Face),
 }
 
 /// What tells one probe from another: curve, parameter (its bits), body that it may penetrate.
 pub type Key = (usize, u64, usize);
 
-impl Probe {
+impl ContactProbe {
     /// What tells it from another.
     pub fn key(&self) -> Key {
         (self.slave.0, self.slave.1.to_bits(), self.target)
@@ -83,7 +83,7 @@ impl Probe {
 
 /// What detection did.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Counts {
+pub struct SearchCounts {
     /// Broad phases.
     pub searches: usize,
     /// Pairs of curves whose grown boxes overlap, last time.
@@ -97,11 +97,11 @@ pub struct Counts {
 }
 
 /// Detection between the boundaries of a scene.
-pub struct Search {
+pub struct PlanarSearch {
     /// All curves.
-    pub faces: Vec<Face>,
+    pub faces: Vec<BoundaryCurve>,
     /// Probes of curves that are near something, in the order of the curves.
-    pub probes: Vec<Probe>,
+    pub probes: Vec<ContactProbe>,
     /// Per curve: near curves by body, those of one body together.
     near: Vec<Vec<(usize, Vec<usize>)>>,
     any: bool,
@@ -111,7 +111,7 @@ pub struct Search {
     height: f64,
     half_height: f64,
     /// What it did.
-    pub counts: Counts,
+    pub counts: SearchCounts,
 }
 
 /// Which of two bodies integrates: the one with the shorter elements, of equals the later one.
@@ -120,7 +120,7 @@ pub fn slave_of(scene: &Scene, a: usize, b: usize) -> usize {
     if size(a.min(b)) < size(a.max(b)) * (1.0 - 1e-9) { a.min(b) } else { a.max(b) }
 }
 
-impl Search {
+impl PlanarSearch {
     /// Watches the bodies; pairs are looked for at the first call of [`Self::prepare`].
     pub fn new(bodies: &Bodies<'_>) -> Self {
         let scene = bodies.scene;
@@ -134,12 +134,12 @@ impl Search {
             built: Vec::new(),
             height: scene.bodies.iter().map(|b| b.height).fold(f64::INFINITY, f64::min),
             half_height: scene.bodies.iter().map(|b| b.height / 2.0).fold(0.0, f64::max),
-            counts: Counts::default(),
+            counts: SearchCounts::default(),
         }
     }
 
     /// Probes of all curves that are near something; their segments are cut at the places that `cuts` gives.
-    fn make_probes(&self, scene: &Scene, cuts: impl Fn(usize, usize) -> Vec<f64>) -> Vec<Probe> {
+    fn make_probes(&self, scene: &Scene, cuts: impl Fn(usize, usize) -> Vec<f64>) -> Vec<ContactProbe> {
         let at_nodes = at_nodes(scene);
         let mut list = Vec::new();
         for (index, face) in self.faces.iter().enumerate() {
@@ -150,7 +150,7 @@ impl Search {
                 }
                 if face.corner(&self.faces[face.next]) {
                     let share = if face.body == target { 0.5 } else { 1.0 };
-                    list.push(Probe {
+                    list.push(ContactProbe {
                         slave: (index, 1.0),
                         target,
                         weight: scene.point_penalty(face.body, scene.penalty(face.body, target)) * share,
@@ -169,7 +169,14 @@ impl Search {
     }
 
     /// Gauss points of the segments of a curve, cut at more places.
-    fn segments(&self, scene: &Scene, index: usize, target: usize, cuts: &[f64], list: &mut Vec<Probe>) {
+    fn segments(
+        &self,
+        scene: &Scene,
+        index: usize,
+        target: usize,
+        cuts: &[f64],
+        list: &mut Vec<ContactProbe>,
+    ) {
         let face = &self.faces[index];
         let settings: &ContactSettings = &scene.contact;
         let count = settings.segments;
@@ -184,7 +191,7 @@ impl Search {
         for pair in bounds.windows(2).filter(|pair| pair[1] > pair[0]) {
             let (middle, half) = ((pair[0] + pair[1]) / 2.0, (pair[1] - pair[0]) / 2.0);
             for &(x, w) in &points {
-                list.push(Probe {
+                list.push(ContactProbe {
                     slave: (index, middle + half * x),
                     target,
                     weight: per_length * half * w,
@@ -210,8 +217,10 @@ impl Search {
     }
 
     /// Takes new probes; those that were there go on with what they may touch. Returns the old ones.
-    fn replace_probes(&mut self, mut list: Vec<Probe>) -> Vec<Probe> {
-        let alike = |(a, b): (&Probe, &Probe)| (a.slave.0, a.target, a.kind) == (b.slave.0, b.target, b.kind);
+    fn replace_probes(&mut self, mut list: Vec<ContactProbe>) -> Vec<ContactProbe> {
+        let alike = |(a, b): (&ContactProbe, &ContactProbe)| {
+            (a.slave.0, a.target, a.kind) == (b.slave.0, b.target, b.kind)
+        };
         if list.len() == self.probes.len() && list.iter().zip(&self.probes).all(alike) {
             list.iter_mut().zip(&self.probes).for_each(|(new, old)| new.onto = old.onto);
         } else {
@@ -278,7 +287,7 @@ impl Search {
     }
 
     /// Near curves of a body that a probe may touch, empty when it is far from all.
-    pub fn near(&self, probe: &Probe) -> &[usize] {
+    pub fn near(&self, probe: &ContactProbe) -> &[usize] {
         self.near_of(probe.slave.0, probe.target).unwrap_or(&[])
     }
 
@@ -413,12 +422,12 @@ fn at_nodes(scene: &Scene) -> bool {
     !matches!(scene.contact.method, Enforcement::Penalty | Enforcement::None)
 }
 
-fn node_probe(face: usize, zeta: f64, target: usize) -> Probe {
-    Probe { slave: (face, zeta), target, weight: 0.0, kind: Kind::Node, onto: Onto::Unknown }
+fn node_probe(face: usize, zeta: f64, target: usize) -> ContactProbe {
+    ContactProbe { slave: (face, zeta), target, weight: 0.0, kind: Kind::Node, onto: Onto::Unknown }
 }
 
 /// Distance of two curves along the axis of their body, m.
-fn apart(a: &Face, b: &Face) -> f64 {
+fn apart(a: &BoundaryCurve, b: &BoundaryCurve) -> f64 {
     let [low_a, high_a] = [a.along[0].min(a.along[1]), a.along[0].max(a.along[1])];
     let [low_b, high_b] = [b.along[0].min(b.along[1]), b.along[0].max(b.along[1])];
     (low_a - high_b).max(low_b - high_a).max(0.0)
