@@ -97,9 +97,9 @@ const DIMENSIONS: [(&str, Units); 19] = [
 ];
 
 /// Smallest size of a quantity but zero, in SI.
-const SMALLEST: f64 = 1e-40;
+const SMALLEST_SI: f64 = 1e-40;
 /// Largest size of a quantity, in SI: products of ten of them are numbers.
-const LARGEST: f64 = 1e30;
+const LARGEST_SI: f64 = 1e30;
 
 fn list(units: Units) -> String {
     units.iter().map(|u| u.0).collect::<Vec<_>>().join(", ")
@@ -204,12 +204,12 @@ fn pattern(units: Units) -> String {
 
 /// Refuses sizes whose products would leave the range of numbers.
 fn within_range(value: f64) -> Result<f64, String> {
-    if value == 0.0 || (SMALLEST..=LARGEST).contains(&value.abs()) {
+    if value == 0.0 || (SMALLEST_SI..=LARGEST_SI).contains(&value.abs()) {
         Ok(value)
     } else if !value.is_finite() {
         Err("is not a finite number".to_owned())
     } else {
-        Err(format!("is an extreme size: 0 or from {SMALLEST:e} to {LARGEST:e} in SI units"))
+        Err(format!("is an extreme size: 0 or from {SMALLEST_SI:e} to {LARGEST_SI:e} in SI units"))
     }
 }
 
@@ -258,8 +258,8 @@ macro_rules! quantities {
                 json_schema!({
                     "type": ["number", "string"],
                     "pattern": pattern($units),
-                    "minimum": -LARGEST,
-                    "maximum": LARGEST,
+                    "minimum": -LARGEST_SI,
+                    "maximum": LARGEST_SI,
                     "description": format!("A {} in SI, or a string with one of the units: {}", $name, list($units)),
                 })
             }

@@ -23,9 +23,9 @@ use nalgebra::Vector3;
 /// Error of the displacement that calls for a warning.
 const COARSE: f64 = 1e-2;
 /// Factor of `theta^2 (l/i)^2` in the error of elements that are quadratic along x.
-const QUADRATIC: f64 = 3.5e-3;
+const QUADRATIC_FACTOR: f64 = 3.5e-3;
 /// Factors of `theta^2` and of `theta^2 g^2 (l/i)^2` in the error of elements that are cubic along x.
-const CUBIC: [f64; 2] = [0.5, 4.5e-4];
+const CUBIC_FACTORS: [f64; 2] = [0.5, 4.5e-4];
 /// Exponent of the leverage that a turned section loses, and the turn up to which it was measured, rad.
 const LEVERAGE: (f64, f64) = (0.75, 1.5);
 
@@ -85,12 +85,12 @@ pub fn bending_error(assembly: &Assembly<'_>, q: &[f64]) -> (f64, f64) {
         let gyration = section.moment(2, 0).min(section.moment(0, 2)) / section.area();
         let (turn, slender) = (t * t, e.length * e.length / gyration);
         let error = if e.kind.axial_degree == 2 {
-            let stiffer = s * QUADRATIC * turn * slender;
+            let stiffer = s * QUADRATIC_FACTOR * turn * slender;
             stiffer / (1.0 + stiffer)
         } else {
             // 1 / (1 / a + 1 / b) without the division by an angle of zero
-            s * turn * CUBIC[0] * CUBIC[1] * uneven * uneven * slender
-                / (CUBIC[0] + CUBIC[1] * uneven * uneven * slender)
+            s * turn * CUBIC_FACTORS[0] * CUBIC_FACTORS[1] * uneven * uneven * slender
+                / (CUBIC_FACTORS[0] + CUBIC_FACTORS[1] * uneven * uneven * slender)
         };
         turn / total * error
     };

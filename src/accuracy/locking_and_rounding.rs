@@ -21,11 +21,11 @@ use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
 /// Excess of a stiffness from which a warning is due.
-const LOCKED: f64 = 0.02;
+const LOCKED_EXCESS: f64 = 0.02;
 /// Share of the energy that may be rounding without a warning; the frequency loses half of it.
-const ROUNDED: f64 = 2e-6;
+const ROUNDED_ENERGY_SHARE: f64 = 2e-6;
 /// Independence of the section functions below which nothing can be computed, and below which a warning is due.
-const DEPENDENT: [f64; 2] = [1e-14, 1e-12];
+const LEAST_INDEPENDENCE: [f64; 2] = [1e-14, 1e-12];
 /// Order of the polynomials that count as exact for the warping of a solid section.
 const FINE_WARPING: usize = 8;
 /// Unknowns up to which `check` factorises the stiffness: about a second.
@@ -37,7 +37,7 @@ const SMALL_BORE: (f64, f64) = (1.5e-3, 2e-14);
 /// Share of rounding in those forces from which nothing nonlinear is computed.
 const TINY_BORE: f64 = 1e-5;
 /// Share of rounding in the growth of a slow shaft from which a warning is due.
-const SLOW: f64 = 1e-4;
+const ROUNDED_GROWTH_SHARE: f64 = 1e-4;
 /// Poisson's ratio below which G/E, above five, makes the missing warping of a quadratic section felt.
 const AUXETIC: f64 = -0.9;
 /// Error of the ovalling of a ring member from which a warning is due.
@@ -134,7 +134,7 @@ fn size(section: &Section) -> String {
 /// With the section and the members that fit it.
 pub fn refuse_dependent(model: &Model) -> Result<()> {
     for (section, _, basis, name) in fields(model) {
-        if section.is_hollow() && !basis.is_ring() && independence(section, basis) < DEPENDENT[0] {
+        if section.is_hollow() && !basis.is_ring() && independence(section, basis) < LEAST_INDEPENDENCE[0] {
             return Err(Error::analysis(
                 format!(
                     "{name} can't be computed on the wall {}: its functions are dependent to rounding",
@@ -179,7 +179,7 @@ pub fn slow_remark(model: &Model, speed: f64, diagnostics: &mut Vec<Diagnostic>)
     };
     let least = fields(model).into_iter().map(strain).fold(f64::INFINITY, f64::min);
     let lost = f64::EPSILON / least;
-    if least.is_finite() && lost > SLOW {
+    if least.is_finite() && lost > ROUNDED_GROWTH_SHARE {
         diagnostics.push(Diagnostic::warning(
             "slow-spin",
             format!(
@@ -200,7 +200,7 @@ pub fn estimates(model: &Model, assembly: &Assembly<'_>, diagnostics: &mut Vec<D
             continue;
         }
         let at = size(section);
-        if let Some(excess) = bending_excess(section, material, basis).filter(|e| *e > LOCKED) {
+        if let Some(excess) = bending_excess(section, material, basis).filter(|e| *e > LOCKED_EXCESS) {
             warn(
                 "bending-locks",
                 format!(
@@ -222,7 +222,7 @@ pub fn estimates(model: &Model, assembly: &Assembly<'_>, diagnostics: &mut Vec<D
                 ),
             );
         }
-        if let Some(excess) = torsion_excess(section, basis).filter(|e| *e > LOCKED) {
+        if let Some(excess) = torsion_excess(section, basis).filter(|e| *e > LOCKED_EXCESS) {
             warn(
                 "torsion-locks",
                 format!(
@@ -246,14 +246,14 @@ pub fn estimates(model: &Model, assembly: &Assembly<'_>, diagnostics: &mut Vec<D
         }
         if section.is_hollow() && !basis.is_ring() {
             let left = independence(section, basis);
-            if left < DEPENDENT[0] {
+            if left < LEAST_INDEPENDENCE[0] {
                 warn(
                     "section-basis",
                     format!(
                         "{name} can't be computed on the wall {at}: its functions are dependent to rounding; take 34R23"
                     ),
                 );
-            } else if left < DEPENDENT[1] {
+            } else if left < LEAST_INDEPENDENCE[1] {
                 warn(
                     "section-basis",
                     format!(
@@ -263,6 +263,12 @@ pub fn estimates(model: &Model, assembly: &Assembly<'_>, diagnostics: &mut Vec<D
             }
         }
     }
+    mesh_and_rounding(model, assembly, diagnostics);
+}
+
+/// Estimates of what few elements miss and what rounding takes.
+fn mesh_and_rounding(model: &Model, assembly: &Assembly<'_>, diagnostics: &mut Vec<Diagnostic>) {
+    let mut warn = |code, text: String| diagnostics.push(Diagnostic::warning(code, text));
     if model.elements.len() <= 2
         && model
             .elements
@@ -282,7 +288,7 @@ pub fn estimates(model: &Model, assembly: &Assembly<'_>, diagnostics: &mut Vec<D
             "rounding-unknown",
             format!("the share of rounding is estimated up to {MOST_UNKNOWNS} unknowns; so many elements lose digits"),
         ));
-    } else if let Some(share) = rounded_energy(assembly).filter(|s| *s > ROUNDED) {
+    } else if let Some(share) = rounded_energy(assembly).filter(|s| *s > ROUNDED_ENERGY_SHARE) {
         warn(
             "rounding",
             format!(
@@ -393,6 +399,6 @@ mod tests {
     fn functions_on_a_thin_wall_are_dependent() {
         let left =
             |wall: f64, order| independence(&Section::tube(1.0, 1.0 - wall), SectionBasis::Monomials(order));
-        assert!(left(1e-4, 5) < DEPENDENT[0] && left(1e-4, 3) > DEPENDENT[1]);
+        assert!(left(1e-4, 5) < LEAST_INDEPENDENCE[0] && left(1e-4, 3) > LEAST_INDEPENDENCE[1]);
     }
 }

@@ -22,9 +22,9 @@ use crate::shaft::spectrum::Flexibility;
 use faer::{Mat, Scale};
 
 /// Smallest share of the load by which a step may advance.
-const SMALLEST_STEP: f64 = 1.0 / 1024.0;
+const SMALLEST_LOAD_STEP: f64 = 1.0 / 1024.0;
 /// Share of the energy below which a correction that no longer shrinks is rounding.
-const ROUNDING: f64 = 1e-13;
+const ROUNDING_ENERGY_SHARE: f64 = 1e-13;
 /// Strain whose energy is rounding.
 const ROUNDING_STRAIN: f64 = 1e-14;
 /// Length of an element over its radius below which rounding of its ends' places makes more strain than that.
@@ -297,7 +297,7 @@ impl<'a> Balance<'a> {
             }
             state.cuts += 1;
             step /= 2.0;
-            if step < SMALLEST_STEP / settings.load_steps as f64 {
+            if step < SMALLEST_LOAD_STEP / settings.load_steps as f64 {
                 break;
             }
         }
@@ -342,7 +342,7 @@ impl<'a> Balance<'a> {
             }
             largest = largest.max(slope.abs()).max(energy.abs());
             let relative = if slope.abs() > self.rounding { slope.abs() / largest } else { 0.0 };
-            let stalled = relative > previous / 4.0 && relative < ROUNDING;
+            let stalled = relative > previous / 4.0 && relative < ROUNDING_ENERGY_SHARE;
             previous = relative;
             let done = relative <= settings.tolerance || stalled;
             // backtracking on the work of the imbalance along the correction

@@ -13,11 +13,11 @@ use crate::shaft::spectrum::Spectrum;
 use faer::{Mat, c64};
 
 /// Residual up to which a mode counts as solved.
-const RESIDUAL: f64 = 1e-10;
+const SOLVED_RESIDUAL: f64 = 1e-10;
 /// Stations drawn within each element.
-const STATIONS: usize = 4;
+const DRAWN_STATIONS_PER_ELEMENT: usize = 4;
 /// Points on the drawn outline of a section.
-const OUTLINE: usize = 72;
+const OUTLINE_POINTS: usize = 72;
 
 /// The lowest `model.modes` modes at rest, rigid ones first.
 ///
@@ -62,11 +62,11 @@ pub fn modes(model: &Model) -> Result<Outcome<Modes>> {
         ));
     }
     let worst = list.iter().map(|m| m.relative_residual).fold(0.0, f64::max);
-    if worst > RESIDUAL {
+    if worst > SOLVED_RESIDUAL {
         diagnostics.push(Diagnostic::error(
             "residual",
             format!(
-                "a mode's residual is {worst:.1e} of |K||x|, above {RESIDUAL:.0e}: the digits beyond are lost"
+                "a mode's residual is {worst:.1e} of |K||x|, above {SOLVED_RESIDUAL:.0e}: the digits beyond are lost"
             ),
         ));
     }
@@ -110,12 +110,12 @@ fn shape(assembly: &Assembly<'_>, q: &[f64], share: &EnergyShare) -> ModeShape {
         }
         let weights = means.as_ref().map_or(&[][..], |(_, weights)| weights);
         let last = e + 1 == model.elements.len();
-        for station in 0..STATIONS + usize::from(last) {
-            let xi = 2.0 * station as f64 / STATIONS as f64 - 1.0;
+        for station in 0..DRAWN_STATIONS_PER_ELEMENT + usize::from(last) {
+            let xi = 2.0 * station as f64 / DRAWN_STATIONS_PER_ELEMENT as f64 - 1.0;
             let field = field_at(assembly, q, e, xi);
             let mean = |c: usize| weights.iter().enumerate().map(|(k, w)| w * field[(k, c)]).sum::<f64>();
             let twist = (field[(1, 2)] - field[(2, 1)]) / 2.0 * section.outer_size() / r;
-            shape.x_m.push(element.x + element.length * station as f64 / STATIONS as f64);
+            shape.x_m.push(element.x + element.length * station as f64 / DRAWN_STATIONS_PER_ELEMENT as f64);
             shape.axis.push([mean(0), mean(1), mean(2)]);
             shape.twist.push(twist);
             // where to cut: the section that deforms (or moves) most
@@ -136,7 +136,7 @@ fn shape(assembly: &Assembly<'_>, q: &[f64], share: &EnergyShare) -> ModeShape {
     let functions = functions(model, Field { basis: element.kind.basis, section: element.section });
     shape.section_x_m = element.x + element.length * (xi + 1.0) / 2.0;
     for inner in [false, true].into_iter().take(1 + usize::from(section.is_hollow())) {
-        let outline = section.outline(inner, OUTLINE);
+        let outline = section.outline(inner, OUTLINE_POINTS);
         let displacement = |&[y, z]: &[f64; 2]| {
             let values = functions.at(y, z);
             std::array::from_fn(|c| values.iter().enumerate().map(|(k, f)| f[0] * field[(k, c)]).sum())

@@ -16,9 +16,9 @@ const DENSEST: f64 = 25_000.0;
 const STOUTEST: f64 = 3.0;
 const THICKEST: f64 = 6.0;
 /// Speed of the surface, m/s: steel bursts near 500.
-const FASTEST_SURFACE: f64 = 800.0;
+const FASTEST_SURFACE_M_S: f64 = 800.0;
 /// Spin speed, rad/s: a million turns a minute.
-const FASTEST: f64 = 1.05e5;
+const FASTEST_SPIN_RAD_S: f64 = 1.05e5;
 /// Mass of the heaviest rotor with some room, kg: hydroelectric ones have 2e6.
 const HEAVIEST: f64 = 5e6;
 /// Gravity, m/s^2.
@@ -62,7 +62,7 @@ pub fn plausibility(model: &Model) -> Vec<Diagnostic> {
         let drive = model.spinup.as_ref().map(|s| s.largest_speed());
         for (path, speed) in [("campbell.speeds.to", sweep), ("spinup.drive", drive)] {
             let Some(speed) = speed else { continue };
-            if speed * size > FASTEST_SURFACE {
+            if speed * size > FASTEST_SURFACE_M_S {
                 doubt(
                     path.to_owned(),
                     format!(
@@ -70,7 +70,7 @@ pub fn plausibility(model: &Model) -> Vec<Diagnostic> {
                         speed * size
                     ),
                 );
-            } else if speed > FASTEST {
+            } else if speed > FASTEST_SPIN_RAD_S {
                 doubt(path.to_owned(), format!("{speed} rad/s is more than a million rpm; \"{speed} rpm\"?"));
             }
         }

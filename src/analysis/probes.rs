@@ -13,9 +13,9 @@ use nalgebra::{Matrix3, RowVector3, Vector3};
 const HELD: f64 = 0.5;
 
 /// Points of a profile.
-const PROFILE: usize = 17;
+const PROFILE_POINTS: usize = 17;
 /// Points of an outline.
-const OUTLINE: usize = 96;
+const OUTLINE_POINTS: usize = 96;
 
 /// The element at a position (the left one at a common end).
 pub fn element_at(model: &Model, x: f64) -> &Element {
@@ -125,10 +125,10 @@ pub fn probe_states(assembly: &Assembly<'_>, q: &[f64]) -> Vec<ProbeState> {
 pub fn profile(assembly: &Assembly<'_>, q: &[f64], x: f64, section: &Section) -> Profile {
     let along = |axis: usize| {
         let (from, to) = (section.inner[axis], section.outer[axis]);
-        (0..PROFILE)
+        (0..PROFILE_POINTS)
             .map(|k| {
                 let mut point = [x, 0.0, 0.0];
-                point[1 + axis] = from + (to - from) * k as f64 / (PROFILE - 1) as f64;
+                point[1 + axis] = from + (to - from) * k as f64 / (PROFILE_POINTS - 1) as f64;
                 point_state(assembly, q, point)
             })
             .collect()
@@ -136,7 +136,7 @@ pub fn profile(assembly: &Assembly<'_>, q: &[f64], x: f64, section: &Section) ->
     let outlines: Vec<Vec<[f64; 2]>> = [false, true]
         .into_iter()
         .filter(|&inner| !inner || section.is_hollow())
-        .map(|inner| section.outline(inner, OUTLINE))
+        .map(|inner| section.outline(inner, OUTLINE_POINTS))
         .collect();
     let centre = Centre::new(assembly, x, section).displacement(q);
     let moved = |&[y, z]: &[f64; 2]| {

@@ -12,11 +12,11 @@ use crate::section::Section;
 use crate::shaft::assembly::Assembly;
 
 /// Distance from a disturbance, over the radius and counted in elements, from which a section counts as clear of it.
-const CLEAR: f64 = 2.0;
+const CLEAR_DISTANCE: f64 = 2.0;
 /// Stations of the growth along an element, its right end left out.
-const STATIONS: usize = 4;
+const STATIONS_PER_ELEMENT: usize = 4;
 /// Share of the shaft's length within which two places are one.
-const SAME: f64 = 1e-9;
+const SAME_PLACE_PER_LENGTH: f64 = 1e-9;
 
 /// A section of the shaft.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,7 +34,7 @@ pub struct GrowthStation {
 impl GrowthStation {
     /// True when nothing nearby changes the section's growth.
     pub fn is_clear(&self) -> bool {
-        self.clearance >= CLEAR * (1.0 - SAME)
+        self.clearance >= CLEAR_DISTANCE * (1.0 - SAME_PLACE_PER_LENGTH)
     }
 }
 
@@ -55,8 +55,8 @@ pub fn headline(model: &Model) -> GrowthStation {
     let better = |a: &GrowthStation, b: &GrowthStation| {
         let (near_a, near_b) = ((a.x - middle).abs(), (b.x - middle).abs());
         match (a.is_clear(), b.is_clear()) {
-            (true, true) => near_a < near_b - SAME * model.length,
-            (false, false) => a.clearance > b.clearance * (1.0 + SAME),
+            (true, true) => near_a < near_b - SAME_PLACE_PER_LENGTH * model.length,
+            (false, false) => a.clearance > b.clearance * (1.0 + SAME_PLACE_PER_LENGTH),
             (clear, _) => clear,
         }
     };
@@ -98,8 +98,8 @@ pub fn growth_along(assembly: &Assembly<'_>, q: &[f64]) -> GrowthAlong {
     for (i, e) in model.elements.iter().enumerate() {
         let section = &model.sections[e.section];
         let joint = model.elements.get(i + 1).is_none_or(|next| next.section != e.section);
-        for k in 0..STATIONS + usize::from(joint) {
-            let x = e.x + e.length * k as f64 / STATIONS as f64;
+        for k in 0..STATIONS_PER_ELEMENT + usize::from(joint) {
+            let x = e.x + e.length * k as f64 / STATIONS_PER_ELEMENT as f64;
             along.x_m.push(x);
             along.rim_m.push(growth_in(assembly, q, e, x, section.outer));
             let bore = section.is_hollow().then(|| growth_in(assembly, q, e, x, section.inner));
@@ -108,8 +108,8 @@ pub fn growth_along(assembly: &Assembly<'_>, q: &[f64]) -> GrowthAlong {
     }
     let size = |k: &usize| along.rim_m[*k].iter().fold(f64::MIN, |m: f64, g| m.max(*g));
     // the first of those alike
-    let largest =
-        (0..along.x_m.len()).reduce(|a, b| if size(&b) > size(&a) + SAME * size(&a).abs() { b } else { a });
+    let largest = (0..along.x_m.len())
+        .reduce(|a, b| if size(&b) > size(&a) + SAME_PLACE_PER_LENGTH * size(&a).abs() { b } else { a });
     if let Some(k) = largest {
         (along.largest_rim_m, along.largest_rim_at_m) = (size(&k), along.x_m[k]);
     }

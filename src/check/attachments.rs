@@ -2,7 +2,7 @@
 
 use crate::case::{self};
 use crate::check::mesh::Mesh;
-use crate::check::{Input, LARGEST};
+use crate::check::{Input, LARGEST_SI};
 use crate::error::Result;
 use crate::model::{ActsOn, Bearing, Disk, Hub, SectionHold, Support, SupportKind};
 use crate::section::basis::SectionBasis;
@@ -277,7 +277,7 @@ impl Input<'_> {
             for (place, value) in law.iter().flatten().enumerate() {
                 let entry = format!("{path}.{key}.{}.{}", place / 2, place % 2);
                 let entry = if self.is_written(&entry) { entry } else { format!("{path}.{key}") };
-                self.within(&entry, value.abs(), 0.0, LARGEST)?;
+                self.within(&entry, value.abs(), 0.0, LARGEST_SI)?;
             }
         }
         let off = (stiffness[0][1] + stiffness[1][0]) / 2.0;

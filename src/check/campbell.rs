@@ -3,7 +3,7 @@
 use crate::case::{self};
 use crate::check::Input;
 use crate::error::Result;
-use crate::model::{CampbellSettings, Form, Gyroscopic, WhirlFrame};
+use crate::model::{CampbellSettings, Form, Gyroscopic, SPARE_BASIS, WhirlFrame};
 
 impl Input<'_> {
     pub(super) fn modes(&self) -> Result<usize> {
@@ -55,12 +55,14 @@ impl Input<'_> {
         }
         let reduction = match c.reduction {
             case::ReductionSize::None => None,
-            case::ReductionSize::Basis(n) if n as usize >= modes + 8 && n <= 5000 => Some(n as usize),
+            case::ReductionSize::Basis(n) if n as usize >= modes + SPARE_BASIS && n <= 5000 => {
+                Some(n as usize)
+            }
             case::ReductionSize::Basis(_) => {
                 return self.fault(
                     "campbell.reduction",
                     "the basis does not fit the number of branches",
-                    format!("{} (modes + 8) to 5000, or \"none\"", modes + 8),
+                    format!("{} (modes + {SPARE_BASIS}) to 5000, or \"none\"", modes + SPARE_BASIS),
                 );
             }
         };

@@ -8,7 +8,7 @@ use crate::model::{Load, LoadKind, Probe, Reading, SurfaceLoad, Traction};
 use crate::section::{Section, Shape, Surface};
 
 /// Largest component of a force, moment, traction or acceleration, SI.
-const LARGEST: f64 = 1e30;
+const LARGEST_SI: f64 = 1e30;
 
 impl Input<'_> {
     pub(super) fn gravity(&self) -> Result<[f64; 3]> {
@@ -19,7 +19,7 @@ impl Input<'_> {
 
     fn bounded(&self, path: &str, vector: [f64; 3]) -> Result<()> {
         for (i, component) in vector.into_iter().enumerate() {
-            self.within(&format!("{path}.{i}"), component.abs(), 0.0, LARGEST)?;
+            self.within(&format!("{path}.{i}"), component.abs(), 0.0, LARGEST_SI)?;
         }
         Ok(())
     }
@@ -74,7 +74,7 @@ impl Input<'_> {
                 tractions.push(Traction { surface, load, reading, path });
             }
             if let Some(pressure) = load.pressure {
-                self.within(&format!("{path}.pressure"), pressure.0.abs(), 0.0, LARGEST)?;
+                self.within(&format!("{path}.pressure"), pressure.0.abs(), 0.0, LARGEST_SI)?;
                 let (load, path) = (SurfaceLoad::Pressure(pressure.0), path.clone());
                 tractions.push(Traction { surface, load, reading, path });
             }

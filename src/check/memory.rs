@@ -3,10 +3,8 @@
 //! Fitted to the peak memory of runs: matrices to 16 to 512 elements 34X3, the sweep to bases of 20 to 240 vectors, numbers of
 //! reports to histories of 1e3 to 1e5 outputs and lines of 10 to 10000 points.
 
-use crate::model::Model;
+use crate::model::{DEFAULT_BASIS, Model, SPARE_BASIS};
 
-/// Vectors of a basis where the case names none, and those kept beyond the branches asked for.
-const BASIS: (usize, usize) = (60, 8);
 /// Bytes of a number of a report: as a result, in the report's tree, and in its text.
 const NUMBER: f64 = 100.0;
 /// Numbers that a point of a probe has: place, displacement, strains, stresses with names.
@@ -43,9 +41,9 @@ pub fn memory(model: &Model) -> Vec<Share> {
         bytes: mesh_memory(unknowns, unknowns / model.nodes.len() as f64),
     }];
     if let Some(sweep) = &model.campbell {
-        let basis = sweep.reduction.unwrap_or(BASIS.0).max(sweep.modes + BASIS.1) as f64;
+        let basis = sweep.reduction.unwrap_or(DEFAULT_BASIS).max(sweep.modes + SPARE_BASIS) as f64;
         let basis = basis.min(unknowns);
-        let beyond = (basis - BASIS.0 as f64).max(0.0);
+        let beyond = (basis - DEFAULT_BASIS as f64).max(0.0);
         // vectors of the basis and of its refinement, dense operators, and the work of every thread
         let dense = 16.0 * (2.0 * basis).powi(2) * WORK * THREADS;
         list.push(Share {

@@ -5,10 +5,10 @@ use crate::section::Section;
 
 /// Share of the shaft's length within which two positions are one: a place so near to the end of a segment or to another
 /// place was written with fewer digits.
-const SAME: f64 = 1e-7;
+const SAME_PLACE_PER_LENGTH: f64 = 1e-7;
 
 /// Share of the shaft's length that a segment needs for ends of its own.
-pub const SHORTEST: f64 = 1e-8;
+pub const SHORTEST_SEGMENT_PER_LENGTH: f64 = 1e-8;
 
 /// A checked segment.
 #[derive(Debug, Clone, Copy)]
@@ -44,7 +44,7 @@ impl Mesh {
         let mut start = 0.0;
         for plan in plans {
             let end = start + plan.length;
-            let same = (SAME * length).min(plan.length / 4.0);
+            let same = (SAME_PLACE_PER_LENGTH * length).min(plan.length / 4.0);
             let mut cuts: Vec<f64> =
                 positions.iter().copied().filter(|x| *x > start + same && *x < end - same).collect();
             cuts.extend([start, end]);

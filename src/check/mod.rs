@@ -13,7 +13,7 @@ mod spinup;
 use crate::case::{self, Case, LoadedCase, nearest};
 use crate::check::element_choice::{Choice, Demands, choose, level};
 use crate::check::memory::{memory, mesh_memory};
-use crate::check::mesh::{Mesh, SHORTEST, SegmentPlan};
+use crate::check::mesh::{Mesh, SHORTEST_SEGMENT_PER_LENGTH, SegmentPlan};
 use crate::error::Result;
 use crate::instructions::Instructions;
 use crate::model::ElementChoice;
@@ -22,9 +22,9 @@ use crate::section::basis::SectionBasis;
 use crate::section::{Section, Shape};
 
 /// Most memory a model may need, bytes.
-const MEMORY_LIMIT: f64 = 12e9;
+const LARGEST_MEMORY_BYTES: f64 = 12e9;
 /// Largest value of any quantity, SI.
-const LARGEST: f64 = 1e30;
+const LARGEST_SI: f64 = 1e30;
 
 impl Model {
     /// Checks a case and builds its mesh.
@@ -98,14 +98,14 @@ impl Input<'_> {
         if !(value > 0.0) {
             return self.fault(path, "must be positive", "a finite value above 0");
         }
-        self.within(path, value, 1e-30, LARGEST)
+        self.within(path, value, 1e-30, LARGEST_SI)
     }
 
     fn not_negative(&self, path: &str, value: f64) -> Result<f64> {
         if !(value >= 0.0) {
             return self.fault(path, "must not be negative", "0 or more");
         }
-        self.within(path, value, 0.0, LARGEST)
+        self.within(path, value, 0.0, LARGEST_SI)
     }
 
     fn length(&self, path: &str, value: f64) -> Result<f64> {
@@ -302,11 +302,11 @@ impl Input<'_> {
         }
         let total: f64 = plans.iter().map(|p| p.length).sum();
         // a sum beyond all numbers is refused here, too
-        if let Some(i) = plans.iter().position(|p| !(p.length >= SHORTEST * total)) {
+        if let Some(i) = plans.iter().position(|p| !(p.length >= SHORTEST_SEGMENT_PER_LENGTH * total)) {
             return self.fault(
                 &format!("shaft.segments.{i}.length"),
                 format!("this segment vanishes beside the shaft's length of {total:e} m"),
-                format!("at least {SHORTEST:e} of the shaft"),
+                format!("at least {SHORTEST_SEGMENT_PER_LENGTH:e} of the shaft"),
             );
         }
         for (i, pair) in plans.windows(2).enumerate() {
@@ -359,11 +359,14 @@ impl Input<'_> {
             let per_node = 3.0 * plan.kind.n_vectors() as f64;
             let unknowns = pieces * plan.kind.axial_degree as f64 * per_node;
             memory += mesh_memory(unknowns, per_node);
-            if memory > MEMORY_LIMIT {
+            if memory > LARGEST_MEMORY_BYTES {
                 return self.fault(
                     &format!("shaft.segments.{i}.elements"),
                     format!("so many elements need about {:.0} GB of memory", memory / 1e9),
-                    format!("fewer elements: at most {:.0} GB for the whole shaft", MEMORY_LIMIT / 1e9),
+                    format!(
+                        "fewer elements: at most {:.0} GB for the whole shaft",
+                        LARGEST_MEMORY_BYTES / 1e9
+                    ),
                 );
             }
         }
@@ -376,7 +379,7 @@ impl Input<'_> {
         let total: f64 = shares.iter().map(|share| share.bytes).sum();
         let largest = shares.iter().max_by(|a, b| a.bytes.total_cmp(&b.bytes));
         match largest {
-            Some(share) if !(total <= MEMORY_LIMIT) => {
+            Some(share) if !(total <= LARGEST_MEMORY_BYTES) => {
                 let parts: Vec<String> =
                     shares.iter().map(|s| format!("{} {:.1} GB", s.what, s.bytes / 1e9)).collect();
                 self.fault(
@@ -386,7 +389,7 @@ impl Input<'_> {
                         total / 1e9,
                         parts.join(", ")
                     ),
-                    format!("less: at most {:.0} GB altogether", MEMORY_LIMIT / 1e9),
+                    format!("less: at most {:.0} GB altogether", LARGEST_MEMORY_BYTES / 1e9),
                 )
             }
             _ => Ok(()),

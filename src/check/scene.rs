@@ -2,7 +2,7 @@
 
 use crate::case::{self, LoadedCase};
 use crate::check::memory::scene_point;
-use crate::check::{Input, MEMORY_LIMIT};
+use crate::check::{Input, LARGEST_MEMORY_BYTES};
 use crate::error::{Error, Refusal, Result};
 use crate::model::scene::{
     Action, Beam, Body, BodyLoad, ContactSettings, Enforcement, Face, Hold, PlanarSection, Scene, Stepping,
@@ -15,18 +15,18 @@ use nalgebra::{Matrix3, Vector3};
 use serde_json::{Value, json};
 
 /// Share of its height that two self-contacting faces may penetrate, and of an element that a place may miss a node by.
-const SAME: f64 = 1e-6;
+const SAME_PLACE_SHARE: f64 = 1e-6;
 /// Most elements of a scene.
-const ELEMENTS: usize = 20_000;
+const MOST_ELEMENTS: usize = 20_000;
 /// The same of spatial elements, of thirty times as many unknowns.
-const SPATIAL_ELEMENTS: usize = 4000;
+const MOST_SPATIAL_ELEMENTS: usize = 4000;
 /// Most integration segments of a scene, each of which may need memory for its points.
-const SEGMENTS: usize = 1_000_000;
+const MOST_SEGMENTS: usize = 1_000_000;
 /// Blocks of a shaft case that mean nothing in a scene.
-const OF_SHAFTS: [&str; 8] =
+const SHAFT_BLOCKS: [&str; 8] =
     ["disks", "supports", "loads", "probes", "modes", "campbell", "static", "spinup"];
 /// Most steps of a motion.
-const STEPS: f64 = 1e8;
+const MOST_STEPS: f64 = 1e8;
 
 impl Scene {
     /// Checks the bodies of a case and their contact.
@@ -63,7 +63,7 @@ impl Input<'_> {
                 r#"for example "bodies": [ { "name": "beam", "length": 1, "elements": 8, "section": "bar", "material": "steel", "start": [0, 0] } ]"#,
             );
         }
-        if let Some(key) = OF_SHAFTS.into_iter().find(|key| self.is_written(key)) {
+        if let Some(key) = SHAFT_BLOCKS.into_iter().find(|key| self.is_written(key)) {
             return self.fault(
                 key,
                 format!("\"{key}\" belongs to a shaft: a contact scene does not use it"),
@@ -97,7 +97,7 @@ impl Input<'_> {
             );
         }
         let count: usize = bodies.iter().map(|b| b.elements).sum();
-        let most = if planar == 0 { SPATIAL_ELEMENTS } else { ELEMENTS };
+        let most = if planar == 0 { MOST_SPATIAL_ELEMENTS } else { MOST_ELEMENTS };
         if count > most {
             return self.fault(
                 "bodies",
@@ -183,9 +183,9 @@ impl Input<'_> {
     fn body(&self, path: &str, body: &case::BodyInput, pair: Option<(&Section, &Material)>) -> Result<Body> {
         let at = |key: &str| format!("{path}.{key}");
         let length = self.length(&at("length"), body.length.0)?;
-        if body.elements == 0 || body.elements > ELEMENTS as u64 {
+        if body.elements == 0 || body.elements > MOST_ELEMENTS as u64 {
             let problem = if body.elements == 0 { "a body needs elements" } else { "too many elements" };
-            return self.fault(&at("elements"), problem, format!("1 to {ELEMENTS}"));
+            return self.fault(&at("elements"), problem, format!("1 to {MOST_ELEMENTS}"));
         }
         let planar = match body.element.as_str() {
             "2322s" => true,
@@ -235,7 +235,7 @@ impl Input<'_> {
                 return self.fault(&key, "this place is off the body", format!("0 to {length} m"));
             }
             let share = x / length * nodes as f64;
-            if (share - share.round()).abs() > SAME * nodes as f64 {
+            if (share - share.round()).abs() > SAME_PLACE_SHARE * nodes as f64 {
                 let spacing = length / nodes as f64;
                 return self.fault(&key, "there is no node", format!("a multiple of {spacing} m"));
             }
@@ -498,11 +498,11 @@ impl Input<'_> {
             None => None,
         };
         let step = self.positive("contact.step", contact.step.map_or(1e-4, |s| s.0))?;
-        if let Some(until) = until.filter(|t| !(t / step <= STEPS && step <= *t)) {
+        if let Some(until) = until.filter(|t| !(t / step <= MOST_STEPS && step <= *t)) {
             return self.fault(
                 "contact.step",
                 "the step does not fit the motion",
-                format!("{:e} s to {until:e} s", until / STEPS),
+                format!("{:e} s to {until:e} s", until / MOST_STEPS),
             );
         }
         let whole = |key: &str, value: u32, least: u32, most: u32| {
@@ -531,16 +531,16 @@ impl Input<'_> {
         }
         let segments = whole("segments", contact.segments, 1, 1000)?;
         let elements: usize = bodies.iter().map(|b| b.elements).sum();
-        if segments * elements > SEGMENTS {
+        if segments * elements > MOST_SEGMENTS {
             return self.fault(
                 "contact.segments",
                 format!("too many segments for {elements} elements"),
-                format!("1 to {}", SEGMENTS / elements),
+                format!("1 to {}", MOST_SEGMENTS / elements),
             );
         }
         let output = whole("output", contact.output, 2, 1_000_000)?;
         let point = scene_point(bodies.len());
-        if output as f64 * point > MEMORY_LIMIT {
+        if output as f64 * point > LARGEST_MEMORY_BYTES {
             return self.fault(
                 "contact.output",
                 format!(
@@ -548,7 +548,7 @@ impl Input<'_> {
                     bodies.len(),
                     output as f64 * point / 1e9
                 ),
-                format!("2 to {:.0}", (MEMORY_LIMIT / point).floor()),
+                format!("2 to {:.0}", (LARGEST_MEMORY_BYTES / point).floor()),
             );
         }
         let corner_angle = contact.corner_angle.map_or(10.0_f64.to_radians(), |a| a.0);

@@ -8,9 +8,9 @@ use crate::model::{Frame, Integrator, Phase, Quadrature, SpinupSettings, StaticS
 use crate::section::Section;
 
 /// Longest simulation, s.
-const LONGEST: f64 = 1e9;
+const LONGEST_RUN_S: f64 = 1e9;
 /// Fastest drive, rad/s.
-const FASTEST: f64 = 1e12;
+const FASTEST_DRIVE_RAD_S: f64 = 1e12;
 /// Largest torque of a drive, N m.
 const STRONGEST: f64 = 1e30;
 
@@ -56,7 +56,7 @@ impl Input<'_> {
         let Some(s) = &self.case.spinup else { return Ok(None) };
         let at = |key: &str| format!("spinup.{key}");
         let start_speed = s.start_speed.map_or(0.0, |w| w.0);
-        self.within(&at("start_speed"), start_speed.abs(), 0.0, FASTEST)?;
+        self.within(&at("start_speed"), start_speed.abs(), 0.0, FASTEST_DRIVE_RAD_S)?;
         if start_speed != 0.0 && s.frame == Frame::Inertial {
             let allowed = "\"frame\": \"rotating\", or a start from rest";
             return self.fault(&at("start_speed"), "the inertial frame starts from rest", allowed);
@@ -76,9 +76,9 @@ impl Input<'_> {
                 let problem = if i == 0 { "the phase has no duration" } else { "the phases do not ascend" };
                 return self.fault(&path, problem, format!("a time above {before} s"));
             }
-            self.within(&path, until, 1e-12, LONGEST)?;
+            self.within(&path, until, 1e-12, LONGEST_RUN_S)?;
             let speed = phase.speed.0;
-            self.within(&format!("spinup.drive.{i}.speed"), speed.abs(), 0.0, FASTEST)?;
+            self.within(&format!("spinup.drive.{i}.speed"), speed.abs(), 0.0, FASTEST_DRIVE_RAD_S)?;
             drive.push(Phase { until, speed, shape: phase.shape });
             before = until;
         }
@@ -94,7 +94,7 @@ impl Input<'_> {
             );
         }
         let until = self.positive(&at("until"), s.until.map_or(before, |t| t.0))?;
-        self.within(&at("until"), until, 1e-12, LONGEST)?;
+        self.within(&at("until"), until, 1e-12, LONGEST_RUN_S)?;
         for (key, tolerance) in [("rtol", s.rtol), ("atol", s.atol)] {
             if !(tolerance > 0.0 && tolerance <= 0.1) {
                 return self.fault(&at(key), "no such tolerance", "above 0, at most 0.1");
@@ -169,7 +169,7 @@ impl Input<'_> {
         for (i, point) in s.torque.iter().enumerate() {
             let at = |key: &str| format!("spinup.torque.{i}.{key}");
             let (speed, torque) = (point.speed.0, point.torque.0);
-            self.within(&at("speed"), speed.abs(), 0.0, FASTEST)?;
+            self.within(&at("speed"), speed.abs(), 0.0, FASTEST_DRIVE_RAD_S)?;
             self.within(&at("torque"), torque.abs(), 0.0, STRONGEST)?;
             if let Some([before, _]) = points.last().filter(|before| before[0] >= speed) {
                 let allowed = format!("above {before} rad/s");

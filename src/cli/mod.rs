@@ -28,7 +28,7 @@ use terminal::{print, say, written};
 /// Exit code of a run that an interrupt ended at once.
 const INTERRUPTED: i32 = 130;
 /// Time in which a run notices an interrupt.
-const PATIENCE: Duration = Duration::from_secs(5);
+const NOTICE_TIME: Duration = Duration::from_secs(5);
 
 /// Rotordynamics on the higher-order ANCF beam element 34X3.
 #[derive(Parser)]
@@ -191,7 +191,7 @@ fn stop_on_interrupt(stop: &Arc<AtomicBool>, noticed: Option<&Arc<AtomicBool>>) 
         }
         if let Some(noticed) = noticed.clone() {
             std::thread::spawn(move || {
-                std::thread::sleep(PATIENCE);
+                std::thread::sleep(NOTICE_TIME);
                 if !noticed.load(Ordering::Relaxed) {
                     std::process::exit(INTERRUPTED);
                 }

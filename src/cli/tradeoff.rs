@@ -15,9 +15,9 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// Name of the case file with the chosen settings.
-const CHOSEN: &str = "chosen.json";
+const CHOSEN_FILE: &str = "chosen.json";
 /// Name of the folder of finished points.
-const POINTS: &str = "tradeoff.points";
+const POINTS_FOLDER: &str = "tradeoff.points";
 
 const NOTES: &str = "\
 Every point of the grid runs as a process of its own on one thread; its time is the analysis' wall time (median of \
@@ -82,7 +82,7 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments) -> Result<ExitCode> {
         .map_err(|e| Error::Usage(format!("the path of this program is not known: {e}")))?;
     let conditions = Conditions {
         program,
-        folder: folder.join(POINTS),
+        folder: folder.join(POINTS_FOLDER),
         at_a_time: arguments.threads.map_or(1, usize::from),
         fresh: arguments.fresh,
     };
@@ -102,8 +102,8 @@ pub(super) fn tradeoff(arguments: &TradeoffArguments) -> Result<ExitCode> {
     let mut pending = vec![("tradeoff.json".to_owned(), json::text(&finished.json))];
     pending.extend(finished.plots);
     match concluded.chosen {
-        Some(case) => pending.push((CHOSEN.to_owned(), study::case_text(&case))),
-        None if concluded.target.is_some() => remove(&folder.join(CHOSEN))?,
+        Some(case) => pending.push((CHOSEN_FILE.to_owned(), study::case_text(&case))),
+        None if concluded.target.is_some() => remove(&folder.join(CHOSEN_FILE))?,
         None => {}
     }
     let set =

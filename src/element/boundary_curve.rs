@@ -10,7 +10,7 @@ use crate::section::{Section, Shape, Surface};
 use std::f64::consts::PI;
 
 /// Gauss points over a half circumference or a face.
-const POINTS: usize = 32;
+const HALF_CIRCUMFERENCE_POINTS: usize = 32;
 /// Equal angles on a circle.
 const ANGLES: usize = 64;
 /// Most equal angles on an ellipse.
@@ -49,7 +49,7 @@ fn on_ellipse([cy, cz]: [f64; 2], sin: f64, cos: f64, weight: f64) -> LinePoint 
 }
 
 fn half(shape: Shape, [cy, cz]: [f64; 2], side: f64) -> Vec<LinePoint> {
-    gauss(POINTS)
+    gauss(HALF_CIRCUMFERENCE_POINTS)
         .into_iter()
         .map(|(s, w)| match shape {
             Shape::Rectangle => {

@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 /// not decide, the follower continues as smoothly as it can.
 const WHOLE_AREA: f64 = 1e-7;
 /// Entries of a projection below this are rounding errors.
-const ROUNDING: f64 = 1e-11;
+const PROJECTION_ROUNDING: f64 = 1e-11;
 
 /// The functions of one section.
 #[derive(Debug, Clone)]
@@ -166,7 +166,7 @@ impl SectionFunctions {
         for l in 3..m {
             for k in 0..n {
                 let value = solved[(k, l)] * scale[k];
-                let kept = odd[k] == other_odd[l] && value.abs() > ROUNDING;
+                let kept = odd[k] == other_odd[l] && value.abs() > PROJECTION_ROUNDING;
                 p[(k, l)] = if kept { value } else { 0.0 };
             }
         }

@@ -13,7 +13,7 @@ use faer::Mat;
 use std::f64::consts::PI;
 
 /// Share of the Cauchy-Schwarz bound below which an integral is rounding error.
-const ROUNDING: f64 = 1e-14;
+const INTEGRAL_ROUNDING: f64 = 1e-14;
 
 /// Shape of a ring in units of its outer semi-axes.
 #[derive(Debug, Clone, Copy)]
@@ -174,7 +174,7 @@ pub fn products(
             let even = (0..2).all(|i| (odd[k][i] ^ flips(a)[i]) == (odd[l][i] ^ flips(b)[i]));
             let value = if a == b { (sum[(k, l)] + sum[(l, k)]) / 2.0 } else { sum[(k, l)] };
             let bound = (left[(k, k)] * right[(l, l)]).sqrt();
-            if even && value.abs() > ROUNDING * bound { value } else { 0.0 }
+            if even && value.abs() > INTEGRAL_ROUNDING * bound { value } else { 0.0 }
         })
     };
     let gradients = [0, 1, 2]

@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 /// Least share of the tolerance that a step keeps in the inertial frame, however little it turns.
 const LEAST_TURN: f64 = 1e-3;
 /// Steps after which the number still needed is estimated.
-const SETTLED: usize = 200;
+const STEPS_BEFORE_ESTIMATE: usize = 200;
 /// Times that a step is cut at a ring before the ring acts from its start.
 const CUTS: usize = 8;
 /// Share of a step that is not worth a step of its own before or after a touch.
@@ -263,9 +263,9 @@ impl<'a> Course<'a> {
     /// Counts a step that ended at `t`; an error when the run would need too many of them.
     fn count(&mut self, step: f64, t: f64, steps: usize) -> Result<()> {
         let Self { settings, until, recent, .. } = self;
-        *recent = if recent.1 >= SETTLED { (step, 1) } else { (recent.0 + step, recent.1 + 1) };
+        *recent = if recent.1 >= STEPS_BEFORE_ESTIMATE { (step, 1) } else { (recent.0 + step, recent.1 + 1) };
         let spent = steps >= settings.max_steps;
-        if !spent && (steps <= SETTLED || recent.1 < SETTLED / 2) {
+        if !spent && (steps <= STEPS_BEFORE_ESTIMATE || recent.1 < STEPS_BEFORE_ESTIMATE / 2) {
             return Ok(());
         }
         let needed = steps as f64 + (*until - t) / (recent.0 / f64::from(recent.1 as u32));

@@ -9,9 +9,9 @@ use crate::linalg::dense::{graded_eigenvectors, self_adjoint};
 use faer::{Mat, MatRef};
 
 /// Vectors by which the basis grows in each step.
-const BLOCK: usize = 6;
+const BLOCK_VECTORS: usize = 6;
 /// Relative residual (energy norm) at which a Ritz pair is good enough to be polished.
-const CONVERGED: f64 = 1e-8;
+const RITZ_RTOL: f64 = 1e-8;
 /// Relative residual at which a polished pair is final; the eigenvalue's error is its square.
 const FINAL: f64 = 1e-11;
 /// Steps of subspace iteration at most.
@@ -146,7 +146,7 @@ fn invariant(pencil: &Pencil<'_>, start: &Mat<f64>) -> Option<Apart> {
         let worst = energies(&rest, &k_rest).into_iter().zip(energies(&y, &ky));
         let worst = worst.fold(0.0, |worst: f64, (rest, all)| worst.max(rest / all));
         // below the tolerance, or down at rounding
-        if worst <= FINAL * FINAL || (worst <= CONVERGED * CONVERGED && worst > 0.3 * earlier) {
+        if worst <= FINAL * FINAL || (worst <= RITZ_RTOL * RITZ_RTOL && worst > 0.3 * earlier) {
             let (thetas, turn) = self_adjoint(share.as_ref()).ok()?;
             let positive = (0..thetas.len()).filter(|&i| thetas[i] > 0.0).collect();
             return Some(Apart { vectors: &x * &turn, images: &kx * turn, positive });
@@ -163,10 +163,10 @@ fn iterated(pencil: &Pencil<'_>, wanted: usize) -> Result<Found> {
     if wanted == 0 {
         return Ok(Found::All(Mat::zeros(pencil.size, 0), 0));
     }
-    let limit = pencil.rank.min(8 * wanted + 40 * BLOCK);
+    let limit = pencil.rank.min(8 * wanted + 40 * BLOCK_VECTORS);
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     let mut start = || {
-        let w = (pencil.solve)((pencil.apply_b)(random.block(pencil.size, BLOCK).as_ref()));
+        let w = (pencil.solve)((pencil.apply_b)(random.block(pencil.size, BLOCK_VECTORS).as_ref()));
         let kw = (pencil.apply_k)(w.as_ref());
         (w, kw)
     };
@@ -190,10 +190,13 @@ fn iterated(pencil: &Pencil<'_>, wanted: usize) -> Result<Found> {
             let remainder = &coupling * weights.get(basis.ncols() - added.., ..);
             let best: Vec<usize> =
                 (0..thetas.len()).rev().take(wanted).take_while(|&i| thetas[i] > 0.0).collect();
-            let settled = |i: &usize| remainder.col(*i).norm_l2() <= CONVERGED * thetas[*i];
+            let settled = |i: &usize| remainder.col(*i).norm_l2() <= RITZ_RTOL * thetas[*i];
             if exhausted || (best.len() == wanted && best.iter().all(settled)) {
-                let near: Vec<usize> =
-                    (0..thetas.len()).rev().take(wanted + BLOCK).take_while(|&i| thetas[i] > 0.0).collect();
+                let near: Vec<usize> = (0..thetas.len())
+                    .rev()
+                    .take(wanted + BLOCK_VECTORS)
+                    .take_while(|&i| thetas[i] > 0.0)
+                    .collect();
                 return Ok(Found::All(ritz_vectors(basis.as_ref(), weights.as_ref(), &near), best.len()));
             }
             if full && let Some(apart) = far_ones(&thetas, |i| settled(&i)) {

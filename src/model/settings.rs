@@ -2,6 +2,11 @@
 
 use crate::case::{Form, Frame, Gyroscopic, RampShape, WhirlFrame};
 
+/// Size of a modal basis where a case names none.
+pub const DEFAULT_BASIS: usize = 60;
+/// Vectors of a basis beyond the branches that are asked for: the motions that neighbours of the last branch are found among.
+pub const SPARE_BASIS: usize = 8;
+
 /// Settings of the sweep over speed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CampbellSettings {
@@ -129,4 +134,35 @@ pub struct Stator {
     pub radius: f64,
     /// JSON path.
     pub path: String,
+}
+
+impl WhirlFrame {
+    /// Name in cases and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stationary => "stationary",
+            Self::Rotating => "rotating",
+        }
+    }
+}
+
+impl Form {
+    /// Name in cases and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Classical => "classical",
+            Self::Consistent => "consistent",
+        }
+    }
+}
+
+impl Gyroscopic {
+    /// Name in cases and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::All => "all",
+            Self::Disks => "disks",
+            Self::None => "none",
+        }
+    }
 }

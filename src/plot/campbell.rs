@@ -26,7 +26,7 @@ const AXIS_HEIGHT: f64 = 56.0;
 /// From the right axis to the panel: ticks, label, air.
 const RIGHT_AXIS_WIDTH: f64 = 92.0;
 /// Critical speeds that get a number and a row of the table.
-const LISTED: usize = 20;
+const LISTED_CRITICALS: usize = 20;
 const ROW: f64 = 17.5;
 const NOTE_ROW: f64 = 16.0;
 const NAME_SIZE: f64 = 14.0;
@@ -308,7 +308,7 @@ impl<'a> Diagram<'a> {
         let drawn: Vec<(usize, &CurveMark, Point)> =
             inside.map(|(index, mark)| (index + 1, mark, self.point(mark.rpm, mark.hz))).collect();
         let place = |&(number, _, point): &(usize, &CurveMark, Point)| {
-            (number <= LISTED).then(|| obstacles.near(point, (21.0, 21.0)))
+            (number <= LISTED_CRITICALS).then(|| obstacles.near(point, (21.0, 21.0)))
         };
         let places: Vec<Option<Rect>> = drawn.iter().map(place).collect();
         pen.group("leaders", "", |pen| {
@@ -352,7 +352,7 @@ impl<'a> Diagram<'a> {
         if unnamed > 0 {
             notes.push(format!("{unnamed} lines have no room for their names"));
         }
-        if self.marks.iter().take(LISTED).any(|mark| !self.is_inside(mark)) {
+        if self.marks.iter().take(LISTED_CRITICALS).any(|mark| !self.is_inside(mark)) {
             notes.push("Grey rows lie outside the diagram".to_owned());
         }
         notes.iter().flat_map(|note| text::wrap(note, palette::SMALL_SIZE, PANEL_WIDTH, 3)).collect()
@@ -424,7 +424,7 @@ impl<'a> Diagram<'a> {
         table_row(pen, (left, y), ["no.", "rpm", "Hz", "whirl", "branch"], regular.bold());
         pen.path(&[(left, y + 10.0), (left + PANEL_WIDTH, y + 10.0)], Stroke::solid(palette::BLACK, 0.8));
         y += 3.0;
-        let room = ((bottom - y) / ROW - 1.0).clamp(1.0, LISTED as f64) as usize;
+        let room = ((bottom - y) / ROW - 1.0).clamp(1.0, LISTED_CRITICALS as f64) as usize;
         for (index, mark) in self.marks.iter().take(room).enumerate() {
             y += ROW;
             let critical = mark.critical;

@@ -11,11 +11,11 @@ const TIME: (&str, &str) = ("Time", "s");
 /// Height over width of a scene from which it is drawn in two and in three columns.
 const COLUMNS: [f64; 2] = [0.25, 0.6];
 /// Share of the scene's size that its frame is larger by.
-const AIR: f64 = 0.04;
+const FRAME_AIR_SHARE: f64 = 0.04;
 /// Share of the largest energy below which one is not drawn.
-const SEEN: f64 = 1e-6;
+const DRAWN_ENERGY_SHARE: f64 = 1e-6;
 /// Least height of the frame of a scene, in logical pixels.
-const LOW: f64 = 110.0;
+const LEAST_FRAME_HEIGHT: f64 = 110.0;
 
 /// contact-scene.svg and contact-cost.svg, of a motion also contact-gap.svg and contact-energy.svg, as `(file name, SVG text)`.
 ///
@@ -65,7 +65,7 @@ fn scene(report: &Report<Contact>) -> Result<String> {
         }
     };
     let mut panels: Vec<Panel> = shown.iter().enumerate().map(panel).collect();
-    panels::fit(&mut panels, columns, size, LOW);
+    panels::fit(&mut panels, columns, size, LEAST_FRAME_HEIGHT);
     let remarks = match resting {
         true => format!(
             "Displacements to scale. Largest penetration {} m.",
@@ -85,7 +85,7 @@ fn extent(snapshots: &[Snapshot]) -> (Point, Point) {
     if low.0 > high.0 {
         return ((0.0, 0.0), (1.0, 1.0));
     }
-    let air = AIR * (high.0 - low.0).max(high.1 - low.1);
+    let air = FRAME_AIR_SHARE * (high.0 - low.0).max(high.1 - low.1);
     ((low.0 - air, low.1 - air), (high.0 + air, high.1 + air))
 }
 
@@ -203,7 +203,7 @@ fn energy(report: &Report<Contact>, time: &[f64], e: &ContactEnergy) -> Result<S
     let largest = named.iter().map(|(_, values)| size(values)).fold(0.0, f64::max);
     let curves = named
         .into_iter()
-        .filter(|(_, values)| size(values) > SEEN * largest)
+        .filter(|(_, values)| size(values) > DRAWN_ENERGY_SHARE * largest)
         .map(|(name, values)| (name, values.clone()))
         .collect();
     let start = e.total.first().copied().unwrap_or_default();

@@ -8,7 +8,7 @@ use crate::results::{History, Report, SectionForces, Spinup, SupportForces};
 use std::collections::BTreeMap;
 
 /// Share of the largest force, or of the moment it makes over the shaft's length, below which there is nothing to show.
-const SEEN: f64 = 1e-6;
+const SHOWN_FORCE_SHARE: f64 = 1e-6;
 
 /// Vectors over time by JSON path.
 type Series = BTreeMap<String, Vec<[f64; 3]>>;
@@ -31,7 +31,7 @@ fn seen(panels: Vec<Panel>, length: f64, pairs: bool) -> Vec<Panel> {
     let lever = |panel: &Panel| if panel.up.1 == "N" { 1.0 } else { length };
     let size = |curve: &Curve| curve.points.iter().fold(0.0, |most: f64, p| most.max(p.1.abs()));
     let sizes = panels.iter().flat_map(|panel| panel.curves.iter().map(|c| size(c) / lever(panel)));
-    let least = SEEN * sizes.fold(0.0, f64::max);
+    let least = SHOWN_FORCE_SHARE * sizes.fold(0.0, f64::max);
     let mut shown = Vec::new();
     for mut panel in panels {
         let least = least * lever(&panel);

@@ -11,13 +11,13 @@ use crate::results::{Figures, History, Report, RubSummary, Spinup, StatorHistory
 use std::f64::consts::{PI, TAU};
 
 /// Chords of a circle.
-const CIRCLE: usize = 180;
+const CIRCLE_CHORDS: usize = 180;
 /// Largest radius of a ring that is drawn, over that of the orbit.
-const FAR: f64 = 5.0;
+const DRAWN_RING_ORBITS: f64 = 5.0;
 /// Share of the growth within which it is the same along y and z.
-const ROUND: f64 = 1e-6;
+const ROUND_RTOL: f64 = 1e-6;
 /// Share of a position within which two are the same.
-const SAME: f64 = 1e-9;
+const SAME_PLACE_RTOL: f64 = 1e-9;
 
 /// section.svg, growth.svg and, where there are forces, forces.svg, and for a transient spinup.svg, orbit.svg and energy.svg, with stators spinup-rub.svg.
 ///
@@ -47,7 +47,7 @@ pub fn svg(report: &Report<Spinup>) -> Result<Figures> {
 /// Growth of rim and bore along the shaft.
 fn growth(report: &Report<Spinup>, remarks: &str) -> Result<String> {
     let (last, along) = (&report.results.last, &report.results.growth);
-    let round = along.rim_m.iter().all(|[y, z]| (y - z).abs() <= ROUND * y.abs().max(z.abs()));
+    let round = along.rim_m.iter().all(|[y, z]| (y - z).abs() <= ROUND_RTOL * y.abs().max(z.abs()));
     let axes: &[(usize, &str)] = if round { &[(0, "")] } else { &[(0, " along y"), (1, " along z")] };
     let mut curves = Vec::new();
     for (k, &(axis, words)) in axes.iter().enumerate() {
@@ -168,10 +168,12 @@ fn orbit(report: &Report<Spinup>, h: &History) -> Result<String> {
     let middle = report.results.growth.x_m.last().map_or(0.0, |length| length / 2.0);
     for stator in report.results.rub.iter().flat_map(|r| &r.stators) {
         // a ring far out would shrink the orbit to a point
-        let here = (stator.at_m - middle).abs() <= SAME * middle.abs() && stator.clearance_m < FAR * reached;
+        let here = (stator.at_m - middle).abs() <= SAME_PLACE_RTOL * middle.abs()
+            && stator.clearance_m < DRAWN_RING_ORBITS * reached;
         if here {
-            let at = |k: usize| (TAU * k as f64 / CIRCLE as f64).sin_cos();
-            let points = (0..=CIRCLE).map(at).map(|(s, c)| (stator.clearance_m * s, stator.clearance_m * c));
+            let at = |k: usize| (TAU * k as f64 / CIRCLE_CHORDS as f64).sin_cos();
+            let points =
+                (0..=CIRCLE_CHORDS).map(at).map(|(s, c)| (stator.clearance_m * s, stator.clearance_m * c));
             curves.push(Curve {
                 name: "clearance of the ring".to_owned(),
                 stroke: Stroke { color: palette::BLACK, width: 1.2, line: LineStyle::Dashed },

@@ -11,7 +11,7 @@ use std::time::Duration;
 /// What ends the name of the file beside a report that tells what the run took, of which case and with which files.
 const COST: &str = ".cost.json";
 /// Age of a temporary file that no run can still be writing: they are written when all is computed.
-const STALE: Duration = Duration::from_secs(3600);
+const STALE_AGE: Duration = Duration::from_secs(3600);
 
 /// Refuses an output folder that can't be one, before any work is done.
 ///
@@ -173,7 +173,7 @@ fn is_running(pid: u32) -> bool {
 
 fn is_old(path: &Path) -> bool {
     let written = path.metadata().and_then(|m| m.modified());
-    written.ok().and_then(|at| at.elapsed().ok()).is_some_and(|age| age > STALE)
+    written.ok().and_then(|at| at.elapsed().ok()).is_some_and(|age| age > STALE_AGE)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Matrix Market files of the system matrices, and the sidecar that names their rows.
 
-use crate::analysis::matrices::{MatrixRow, PhysicalMatrix};
+use crate::results::{MatrixRow, PhysicalMatrix};
 use serde_json::{Value, json};
 use std::fmt::Write;
 

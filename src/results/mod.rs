@@ -4,6 +4,7 @@
 mod contact;
 mod effects;
 mod forces;
+mod matrices;
 mod rub_contact;
 mod spinup;
 mod tradeoff;
@@ -11,6 +12,7 @@ mod tradeoff;
 pub use contact::*;
 pub use effects::*;
 pub use forces::*;
+pub use matrices::*;
 pub use rub_contact::*;
 use serde::Serialize;
 use serde_json::{Map, Value};

@@ -21,13 +21,13 @@ use std::f64::consts::PI;
 /// Gauss points of an integration segment.
 const GAUSS_POINTS: usize = 4;
 /// Newton steps of a projection.
-const STEPS: usize = 60;
+const PROJECTION_STEPS: usize = 60;
 /// Largest step of a parameter.
-const STRIDE: f64 = 0.4;
+const LARGEST_PARAMETER_STEP: f64 = 0.4;
 /// Residual of a projection, over the radius.
-const CONVERGED: f64 = 1e-12;
+const PROJECTION_RESIDUAL_PER_RADIUS: f64 = 1e-12;
 /// Margin of the boxes in diameters.
-const MARGIN: f64 = 1.0;
+const BOX_MARGIN_DIAMETERS: f64 = 1.0;
 /// Samples of an axis element for the nearest points of two axes.
 const SAMPLES: usize = 9;
 
@@ -125,7 +125,8 @@ impl SpatialSearch {
         }
         let start = std::time::Instant::now();
         let scene = bodies.scene;
-        self.margin = MARGIN * scene.bodies.iter().map(|b| b.height).fold(f64::INFINITY, f64::min);
+        self.margin =
+            BOX_MARGIN_DIAMETERS * scene.bodies.iter().map(|b| b.height).fold(f64::INFINITY, f64::min);
         let mut items = Vec::new();
         let mut hulls = Vec::new();
         for (index, surface) in self.surfaces.iter().enumerate() {
@@ -303,7 +304,7 @@ impl SpatialSearch {
         let mut normal = between.normalize();
         let mut free = free;
         let mut crossings = 0;
-        for _ in 0..STEPS {
+        for _ in 0..PROJECTION_STEPS {
             let mut gap = Gap {
                 scale: 1.0,
                 value: 0.0,
@@ -317,7 +318,7 @@ impl SpatialSearch {
             let (a, across) = gap.system(q, 3);
             let residual = gap.residual(q, 3, &across);
             let size = residual.amax();
-            if size <= CONVERGED * m.radius.max(s.radius) {
+            if size <= PROJECTION_RESIDUAL_PER_RADIUS * m.radius.max(s.radius) {
                 // outward of the master, or the section is turned inside out
                 return Some((gap, at, there));
             }
@@ -328,7 +329,7 @@ impl SpatialSearch {
                     return 0.0;
                 }
                 k += 1;
-                step[k - 1].clamp(-STRIDE, STRIDE)
+                step[k - 1].clamp(-LARGEST_PARAMETER_STEP, LARGEST_PARAMETER_STEP)
             };
             there.xi += take(free.master[0]);
             there.theta += take(free.master[1]);
@@ -342,7 +343,7 @@ impl SpatialSearch {
                 }
                 let forward = place.xi > 0.0;
                 let end = if forward { place.element + 1 == surface.elements } else { place.element == 0 };
-                if end && place.xi.abs() > 1.0 + STRIDE {
+                if end && place.xi.abs() > 1.0 + LARGEST_PARAMETER_STEP {
                     return None;
                 }
                 if end {

@@ -24,7 +24,7 @@ const SOLVED: f64 = 1e-11;
 const MOST_ITERATIONS: usize = 30;
 
 /// Square of a frequency over that of the highest mode below which a mode stands apart.
-const LOW: f64 = 1e-9;
+const APART_SQUARE_SHARE: f64 = 1e-9;
 
 /// Generalised inverse of the stiffness: exact on forces in balance, its result free of rigid motion.
 ///
@@ -413,7 +413,7 @@ impl Spectrum {
     /// massless shaft): what these answer would drown what the others do, and they are in the basis anyway.
     pub fn without_low_modes(&self, f: &Mat<f64>) -> Mat<f64> {
         let highest = self.values.last().copied().unwrap_or(0.0);
-        let n = self.values.iter().take_while(|value| **value < LOW * highest).count();
+        let n = self.values.iter().take_while(|value| **value < APART_SQUARE_SHARE * highest).count();
         if n == 0 {
             return f.clone();
         }
@@ -453,13 +453,13 @@ fn gap(values: &[f64], kept: usize, rank: usize) -> (f64, usize) {
 }
 
 /// Relative difference below which two values count as equal.
-const EQUAL: f64 = 1e-10;
+const SAME_VALUE_RTOL: f64 = 1e-10;
 
 /// Shapes of equal value are arbitrary mixtures: turns them into the planes of symmetry, motions along y before those along z,
 /// so that rounding does not choose the plane that is drawn.
 fn align(mass: &Sparse, mirror: &[[bool; 2]], values: &[f64], vectors: &mut Mat<f64>) -> Result<()> {
     let mut first = 0;
-    for equal in values.chunk_by(|a, b| b - a <= EQUAL * b) {
+    for equal in values.chunk_by(|a, b| b - a <= SAME_VALUE_RTOL * b) {
         let (from, count) = (first, equal.len());
         first += count;
         if count < 2 {

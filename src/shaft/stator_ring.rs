@@ -17,15 +17,15 @@ use crate::shaft::attachments::axis_rows;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 /// Slip at which friction is 76 % (tanh 1) of full, over the speed of the surface at the drive's largest speed.
-const SLIP: f64 = 0.01;
+const SLIP_SPEED_SHARE: f64 = 0.01;
 /// Share of a step's tolerance by which a ring may be passed before it acts. Newton's iteration leaves less.
-const MARGIN: f64 = 0.1;
+const MARGIN_TOLERANCE_SHARE: f64 = 0.1;
 /// Depth by which a ring may be passed before it acts, as a share of its clearance; the lesser of both counts.
-const SHALLOW: f64 = 1e-4;
+const MARGIN_CLEARANCE_SHARE: f64 = 1e-4;
 /// Depth over the radius of a ring that rounding alone gives to a path along the ring; it counts as no passage.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING_PER_RADIUS: f64 = 1e-12;
 /// Halvings of a step by which a touch is located: 2^-44 of the step.
-const HALVINGS: usize = 44;
+const TOUCH_HALVINGS: usize = 44;
 
 /// y and z of the axis vector and of R r_,y and R r_,z, or anything conjugate to them.
 pub type Vector = SVector<f64, 6>;
@@ -152,7 +152,7 @@ impl StatorRing {
             stiffness: stator.stiffness,
             friction: stator.friction,
             radius: stator.radius,
-            slip_speed: SLIP * stator.radius * fastest,
+            slip_speed: SLIP_SPEED_SHARE * stator.radius * fastest,
         };
         let rows = axis_rows(assembly.model, &assembly.numbering, stator.node);
         let across = [1, 2].map(|component| {
@@ -172,7 +172,7 @@ impl StatorRing {
 
     /// Depth by which the ring may be passed before it acts in steps of a tolerance, m.
     fn margin(&self, tolerance: f64) -> f64 {
-        (MARGIN * tolerance).min(SHALLOW * self.law.clearance)
+        (MARGIN_TOLERANCE_SHARE * tolerance).min(MARGIN_CLEARANCE_SHARE * self.law.clearance)
     }
 
     /// Path of u within a step of length h, s, from displacements, velocities and accelerations at both ends.
@@ -254,7 +254,7 @@ impl AxisPath {
     /// searched until the points bound them. So a largest radius inside the step counts as well as the end.
     pub fn passes(&self, radius: f64, from: f64) -> Option<f64> {
         let [_, rest] = self.split(from);
-        let share = rest.search(radius, HALVINGS)?;
+        let share = rest.search(radius, TOUCH_HALVINGS)?;
         Some(from + share * (1.0 - from))
     }
 
@@ -263,7 +263,7 @@ impl AxisPath {
         if start > radius {
             return Some(0.0);
         }
-        if end <= radius && self.bound() <= radius * (1.0 + ROUNDING) {
+        if end <= radius && self.bound() <= radius * (1.0 + ROUNDING_PER_RADIUS) {
             return None;
         }
         if halvings == 0 {
@@ -277,7 +277,7 @@ impl AxisPath {
     /// Share at which the path comes back within a radius between one where it is outside and one where it is inside.
     pub fn returns(&self, radius: f64, outside: f64, inside: f64) -> f64 {
         let (mut outside, mut inside) = (outside, inside);
-        for _ in 0..HALVINGS {
+        for _ in 0..TOUCH_HALVINGS {
             let middle = (outside + inside) / 2.0;
             if self.radius(middle) > radius { outside = middle } else { inside = middle }
         }

@@ -28,7 +28,7 @@ use store::Store;
 /// Most points of a grid.
 const MOST_POINTS: usize = 5000;
 /// A point that takes longer than this is run once, s.
-const SLOW: f64 = 10.0;
+const RUN_ONCE_SECONDS: f64 = 10.0;
 
 /// One point: its settings and the case they make.
 #[derive(Debug, Clone)]
@@ -358,8 +358,9 @@ pub fn measure(
     let store = Store::open(&conditions.folder)?;
     let settings: Vec<&PointSettings> = plan.points.iter().map(|p| &p.settings).collect();
     let names = design::names(&settings);
-    let enough =
-        |runs: &[f64]| runs.len() >= plan.block.repeats as usize || runs.first().is_some_and(|w| *w > SLOW);
+    let enough = |runs: &[f64]| {
+        runs.len() >= plan.block.repeats as usize || runs.first().is_some_and(|w| *w > RUN_ONCE_SECONDS)
+    };
     let kept = |point: &PlannedPoint| {
         let found = if conditions.fresh { None } else { store.read(&point.key) };
         found.filter(|found| found.as_ref().map_or(true, |m| enough(&m.wall_s)))
@@ -386,7 +387,7 @@ pub fn measure(
                 file: &plan.file,
                 quantity: &plan.block.quantity,
                 repeats: plan.block.repeats,
-                slow: SLOW,
+                slow: RUN_ONCE_SECONDS,
             };
             let outcome = match process::point(&task, stop) {
                 Ok(Ended::Stopped) => return,

@@ -131,3 +131,84 @@ fn parts_of_a_module_stand_in_an_order() {
         left.retain(|m| !ready.contains(m));
     }
 }
+
+/// Files beside each other in a folder of a module stand in an order, too; their `mod.rs` puts them together and is left aside.
+#[test]
+fn files_of_a_folder_stand_in_an_order() {
+    let mut list = Vec::new();
+    sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), "", &mut list);
+    let file = |path: &str| -> Option<String> {
+        let names: Vec<&str> = path.split("::").take(3).collect();
+        (names.len() == 3).then(|| names.join("::"))
+    };
+    let known: BTreeSet<String> = list.iter().filter_map(|(module, _)| file(module)).collect();
+    let mut uses: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for (module, path) in &list {
+        let Some(own) = file(module) else { continue };
+        let folder = own.rsplit_once("::").expect("a folder").0.to_owned() + "::";
+        for other in imports(module, path).iter().filter_map(|import| file(import)) {
+            if other != own && other.starts_with(&folder) && known.contains(&other) {
+                uses.entry(own.clone()).or_default().insert(other);
+            }
+        }
+    }
+    let mut left = known;
+    while !left.is_empty() {
+        let free = |m: &&String| uses.get(*m).is_none_or(|others| others.is_disjoint(&left));
+        let ready: Vec<String> = left.iter().filter(free).cloned().collect();
+        assert!(!ready.is_empty(), "in a circle: {left:?}");
+        left.retain(|m| !ready.contains(m));
+    }
+}
+
+/// Figures, tables and files see results, never a model or an analysis.
+#[test]
+fn reports_and_figures_see_results_alone() {
+    let mut list = Vec::new();
+    sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), "", &mut list);
+    for (module, path) in &list {
+        let own = module.split("::").next().unwrap_or_default();
+        if !["draw", "plot", "report"].contains(&own) {
+            continue;
+        }
+        for import in imports(module, path) {
+            let head = import.split("::").next().unwrap_or_default().to_owned();
+            assert!(
+                ["draw", "error", "plot", "report", "results"].contains(&head.as_str()),
+                "{module} uses {import}"
+            );
+        }
+    }
+}
+
+/// Files stay within 600 lines, functions within 80.
+#[test]
+fn files_and_functions_stay_short() {
+    let mut list = Vec::new();
+    sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), "", &mut list);
+    let head = regex_lite::Regex::new(r"^( *)(?:pub(?:\([a-z]+\))? )?(?:const )?fn ([a-z_0-9]+)")
+        .expect("a pattern");
+    for (module, path) in &list {
+        let text = std::fs::read_to_string(path).expect("a source");
+        assert!(text.lines().count() <= 600, "{module}: {} lines", text.lines().count());
+        let mut open: Option<(String, String, usize)> = None;
+        for (number, line) in text.lines().enumerate() {
+            match (&open, head.captures(line)) {
+                (None, Some(found)) => {
+                    let part = |k| found.get(k).map_or(String::new(), |m| m.as_str().to_owned());
+                    open = Some((part(1) + "}", part(2), number));
+                }
+                (Some((end, name, start)), _) if line == end => {
+                    assert!(number - start < 80, "{module}::{name}: {} lines", number - start + 1);
+                    open = None;
+                }
+                _ => {}
+            }
+            if open.as_ref().is_some_and(|(.., start)| *start == number)
+                && line.trim_end().ends_with(['}', ';'])
+            {
+                open = None;
+            }
+        }
+    }
+}

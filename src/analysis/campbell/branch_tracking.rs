@@ -10,9 +10,9 @@ use crate::error::Result;
 use faer::{Mat, c64};
 
 /// Likeness from which a continuation is certain: no second motion can reach it.
-const CERTAIN: f64 = 0.7;
+const CERTAIN_LIKENESS: f64 = 0.7;
 /// Likeness below which a branch counts as lost.
-const LOST: f64 = 0.1;
+const LOST_LIKENESS: f64 = 0.1;
 /// How often an interval is halved.
 const DEPTH: usize = 12;
 
@@ -112,11 +112,11 @@ fn follow_within(
     let table = likenesses(&followed.iter().map(|&i| &from.motions[i]).collect::<Vec<_>>(), &to.motions);
     let assigned = assign(&table);
     let value = |k: usize| assigned[k].map_or(0.0, |j| table[k][j]);
-    let certain = (0..followed.len()).all(|k| value(k) >= CERTAIN);
+    let certain = (0..followed.len()).all(|k| value(k) >= CERTAIN_LIKENESS);
     if certain || depth == 0 {
         return Ok(Continuation {
-            to: (0..followed.len()).map(|k| assigned[k].filter(|_| value(k) >= LOST)).collect(),
-            unclear: (0..followed.len()).map(|k| value(k) < CERTAIN).collect(),
+            to: (0..followed.len()).map(|k| assigned[k].filter(|_| value(k) >= LOST_LIKENESS)).collect(),
+            unclear: (0..followed.len()).map(|k| value(k) < CERTAIN_LIKENESS).collect(),
             extra: 0,
         });
     }

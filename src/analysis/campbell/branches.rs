@@ -6,17 +6,18 @@
 
 use crate::analysis::campbell::branch_tracking::{Continuation, follow};
 use crate::analysis::campbell::reduced_basis::{Solution, Whirling};
-use crate::analysis::campbell::{SPARE, WhirlSolver};
+use crate::analysis::campbell::sweep::WhirlSolver;
 use crate::analysis::character::Character;
 use crate::error::Result;
+use crate::model::SPARE_BASIS;
 use crate::results::{Branch, Diagnostic, ModeKind, Whirl};
 use faer::c64;
 use std::f64::consts::TAU;
 
 /// Circularity below which a whirl is mixed.
-const CIRCULAR: f64 = 0.01;
+const LEAST_CIRCULARITY: f64 = 0.01;
 /// Relative difference of frequencies at standstill that is none: their order is that of kinds and senses.
-const EQUAL: f64 = 1e-6;
+const SAME_FREQUENCY_RTOL: f64 = 1e-6;
 
 /// A branch with the motions that it consists of, one for each speed.
 pub(super) struct Tracked {
@@ -107,7 +108,7 @@ impl WhirlSolver<'_> {
             })
             .collect();
         list.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for equal in list.chunk_by_mut(|a, b| b.0 - a.0 <= EQUAL * b.0) {
+        for equal in list.chunk_by_mut(|a, b| b.0 - a.0 <= SAME_FREQUENCY_RTOL * b.0) {
             equal.sort_by_key(|(_, place, _)| *place);
         }
         list.into_iter().map(|(_, _, tracked)| tracked).collect()
@@ -123,7 +124,7 @@ impl WhirlSolver<'_> {
     /// ones of the first speed asked for.
     fn starts(&self, sweep: &[Solution], remarks: &mut Remarks) -> Result<Vec<Trail>> {
         let (first, asked) = (&sweep[0], &sweep[self.first_asked()]);
-        let few = self.settings.modes + SPARE;
+        let few = self.settings.modes + SPARE_BASIS;
         let oscillating = (0..first.oscillating).filter(|&i| first.motions[i].lambda.im > 0.0);
         let mut starts: Vec<(f64, Origin)> =
             oscillating.map(|i| (first.motions[i].lambda.im, Origin::Oscillating(i))).collect();
@@ -216,7 +217,7 @@ impl WhirlSolver<'_> {
         let (before, to) = (&sweep[k - 1], &sweep[k]);
         let claimed: Vec<usize> = trails.iter().filter_map(|t| t.places[k]).collect();
         let highest = claimed.iter().map(|&i| to.motions[i].lambda.im).fold(0.0, f64::max);
-        let few = self.settings.modes + SPARE;
+        let few = self.settings.modes + SPARE_BASIS;
         let free: Vec<usize> = (0..to.oscillating)
             .filter(|i| !claimed.contains(i) && to.motions[*i].lambda.im > 0.0)
             .filter(|&i| to.motions[i].lambda.im <= highest || i < few)
@@ -255,7 +256,7 @@ impl WhirlSolver<'_> {
             // among equals the first
             let best = waiting
                 .map(|t| (likeness(&trails[t]), t))
-                .reduce(|a, b| if b.0 > a.0 * (1.0 + EQUAL) { b } else { a });
+                .reduce(|a, b| if b.0 > a.0 * (1.0 + SAME_FREQUENCY_RTOL) { b } else { a });
             if let Some((_, t)) = best {
                 (trails[t].places[k], trails[t].creeps[k], trails[t].seen) = (Some(i), false, Some((k, i)));
             }
@@ -334,7 +335,7 @@ impl WhirlSolver<'_> {
                 .map_or(0.0, |m| self.reduced.travel_of(m) / tracked.waves as f64)
         };
         let mut counts = SenseCounts::default();
-        for equal in branches.chunk_by_mut(|a, b| b.0 - a.0 <= EQUAL * b.0) {
+        for equal in branches.chunk_by_mut(|a, b| b.0 - a.0 <= SAME_FREQUENCY_RTOL * b.0) {
             equal.sort_by_key(|(_, t)| (rank(t.branch.kind), t.waves));
             for alike in
                 equal.chunk_by_mut(|a, b| a.1.branch.kind == b.1.branch.kind && a.1.waves == b.1.waves)
@@ -439,9 +440,9 @@ pub(super) fn travelling_waves(kind: ModeKind, waves: usize) -> usize {
 
 /// Sense of a circularity.
 pub(super) fn sense(circularity: f64) -> Whirl {
-    if circularity >= CIRCULAR {
+    if circularity >= LEAST_CIRCULARITY {
         Whirl::Forward
-    } else if circularity <= -CIRCULAR {
+    } else if circularity <= -LEAST_CIRCULARITY {
         Whirl::Backward
     } else {
         Whirl::Mixed

@@ -1,9 +1,9 @@
 //! Critical speeds: solved directly, compared with what the sweep shows, and named by their branches.
 
-use crate::analysis::campbell::WhirlSolver;
 use crate::analysis::campbell::branch_tracking::{follow, most_like};
 use crate::analysis::campbell::branches::{Tracked, sense, travelling_waves};
 use crate::analysis::campbell::reduced_basis::{Solution, Whirling};
+use crate::analysis::campbell::sweep::WhirlSolver;
 use crate::analysis::campbell::synchronous::{self, Critical, Criticals};
 use crate::analysis::character::Character;
 use crate::error::Result;
@@ -11,9 +11,9 @@ use crate::results::{CriticalSpeed, Diagnostic, ModeKind, Whirl};
 use std::f64::consts::PI;
 
 /// Relative difference between a direct critical speed and a branch's crossing that calls for a remark.
-const MISMATCH: f64 = 1e-5;
+const CROSSING_MISMATCH_RTOL: f64 = 1e-5;
 /// Relative difference of two speeds that is none.
-const EQUAL: f64 = 1e-8;
+const SAME_SPEED_RTOL: f64 = 1e-8;
 /// Imbalance of a critical motion that calls for a remark.
 const IMBALANCE: f64 = 1e-3;
 
@@ -88,7 +88,7 @@ impl WhirlSolver<'_> {
                 _ => None,
             };
             let difference = partner.as_ref().map(|c| c.speed / speed - 1.0);
-            if difference.is_some_and(|d| d.abs() > MISMATCH)
+            if difference.is_some_and(|d| d.abs() > CROSSING_MISMATCH_RTOL)
                 || partner.as_ref().is_some_and(|c| opposite(c.whirl, whirl))
             {
                 diagnostics.push(Diagnostic::warning(
@@ -151,7 +151,7 @@ impl WhirlSolver<'_> {
             }
             let (_, kind, waves) = character.of(&shape);
             let difference = self.reduced_critical(i, speed)?.map(|found| found / speed - 1.0);
-            if difference.is_none_or(|d| d.abs() > MISMATCH) {
+            if difference.is_none_or(|d| d.abs() > CROSSING_MISMATCH_RTOL) {
                 diagnostics.push(Diagnostic::warning(
                     "critical-mismatch",
                     format!("the critical speed {speed:.6} rad/s and that of the reduced model do not agree"),
@@ -234,7 +234,7 @@ impl WhirlSolver<'_> {
         }
         found.sort_by(|a, b| a.1.speed.total_cmp(&b.1.speed));
         // what is equal up to rounding stands in the order of the branches
-        for equal in found.chunk_by_mut(|a, b| b.1.speed / a.1.speed - 1.0 <= EQUAL) {
+        for equal in found.chunk_by_mut(|a, b| b.1.speed / a.1.speed - 1.0 <= SAME_SPEED_RTOL) {
             equal.sort_by_key(|(place, _)| *place);
         }
         Ok(found.into_iter().map(|(_, crossing)| crossing).collect())

@@ -17,7 +17,7 @@ use faer::{Mat, c64};
 const SHARPENING: usize = 5;
 
 /// The reduced equations at one speed.
-pub struct AtSpeed<'a> {
+pub struct FirstOrderForm<'a> {
     reduced: &'a Reduced,
     speed: f64,
     /// `[N, Q]`, orthonormal; `None` for the identity.
@@ -30,7 +30,7 @@ pub struct AtSpeed<'a> {
     factored: bool,
 }
 
-impl<'a> AtSpeed<'a> {
+impl<'a> FirstOrderForm<'a> {
     /// Turns the coordinates.
     ///
     /// # Errors

@@ -12,6 +12,7 @@ pub mod operators;
 pub mod reduced_basis;
 pub mod remarks;
 pub mod spin_stiffening;
+mod sweep;
 pub mod synchronous;
 mod unstable_ranges;
 mod whirl_solver;
@@ -20,31 +21,21 @@ use crate::accuracy::locking_and_rounding::{refuse_dependent, refuse_tiny_bore};
 use crate::analysis::Counter;
 use crate::analysis::campbell::branches::mostly;
 use crate::analysis::campbell::operators::Operators;
-use crate::analysis::campbell::reduced_basis::{Reduced, Solution, Whirling};
+use crate::analysis::campbell::reduced_basis::Reduced;
 use crate::analysis::campbell::remarks::{describe_model, fits, offset_remark, speed_remarks};
 use crate::analysis::campbell::spin_stiffening::{Stiffening, burst, burst_of};
+use crate::analysis::campbell::sweep::WhirlSolver;
 use crate::analysis::campbell::synchronous::Criticals;
 use crate::analysis::character::Character;
 use crate::analysis::{Outcome, ignored_input, model_remarks, summary};
 use crate::error::{Refusal, Result};
-use crate::linalg::factor::Ldlt;
-use crate::linalg::sparse::combine;
-use crate::model::{CampbellSettings, Form, Gyroscopic, Model, WhirlFrame};
+use crate::model::{CampbellSettings, DEFAULT_BASIS, Form, Model, SPARE_BASIS, WhirlFrame};
 use crate::results::{Branch, Campbell, Diagnostic, Reduction};
 use crate::shaft::assembly::Assembly;
 use crate::shaft::spectrum::{Flexibility, Spectrum};
-use faer::c64;
-use rayon::prelude::*;
 
-/// Branches followed beyond those reported, to name the critical speeds they pass.
-pub(super) const SPARE: usize = 8;
-/// Energy norm of the imbalance at which an unreduced motion counts as solved; its frequency's error is
-/// the square.
-const BALANCE: f64 = 1e-6;
-/// Imbalance above which the check of the reduced model is in doubt.
-const ACCEPTED: f64 = 1e-4;
 /// Share of the basis used for static corrections.
-const CORRECTED: f64 = 0.4;
+const STATIC_CORRECTION_SHARE: f64 = 0.4;
 
 /// Sweeps the spin speed and solves for critical speeds.
 ///
@@ -64,8 +55,8 @@ pub fn campbell(
     }
     let assembly = Assembly::new(model);
     diagnostics.extend(model_remarks(model, &assembly));
-    let basis = settings.reduction.unwrap_or(60).max(settings.modes + SPARE);
-    let corrected = (CORRECTED * basis as f64).ceil() as usize;
+    let basis = settings.reduction.unwrap_or(DEFAULT_BASIS).max(settings.modes + SPARE_BASIS);
+    let corrected = (STATIC_CORRECTION_SHARE * basis as f64).ceil() as usize;
     let spectrum = Spectrum::new(&assembly, basis - corrected)?;
     if !spectrum.complete {
         diagnostics.push(Diagnostic::error(
@@ -119,19 +110,9 @@ pub fn campbell(
         ));
     }
     let results = Campbell {
-        frame: match settings.frame {
-            WhirlFrame::Stationary => "stationary",
-            WhirlFrame::Rotating => "rotating",
-        },
-        form: match settings.form {
-            Form::Classical => "classical",
-            Form::Consistent => "consistent",
-        },
-        gyroscopic: match settings.gyroscopic {
-            Gyroscopic::All => "all",
-            Gyroscopic::Disks => "disks",
-            Gyroscopic::None => "none",
-        },
+        frame: settings.frame.name(),
+        form: settings.form.name(),
+        gyroscopic: settings.gyroscopic.name(),
         speeds_rad_s: settings.speeds.clone(),
         branches: reported,
         critical_speeds,
@@ -221,75 +202,7 @@ fn speeds(settings: &CampbellSettings, operators: &Operators, criticals: Option<
     speeds
 }
 
-pub(super) struct WhirlSolver<'a> {
-    pub operators: &'a Operators,
-    pub spectrum: &'a Spectrum,
-    pub reduced: &'a Reduced,
-    pub settings: &'a CampbellSettings,
-    /// Speeds of the sweep, those asked for among them.
-    pub speeds: Vec<f64>,
-}
-
 impl WhirlSolver<'_> {
-    /// Motions at one speed, reduced or corrected until they satisfy the unreduced equations.
-    pub fn solve(&self, speed: f64) -> Result<Solution> {
-        match self.settings.reduction {
-            Some(_) => self.reduced.solve(speed),
-            None => Ok(self.unreduced(speed)?.0),
-        }
-    }
-
-    /// Extends the basis by static answers to the imbalance of the motions until it is below
-    /// [`BALANCE`]; also returns the imbalance that remains.
-    fn unreduced(&self, speed: f64) -> Result<(Solution, f64)> {
-        let wanted = self.settings.modes + SPARE;
-        let mut solution = self.reduced.solve(speed)?;
-        let mut refined: Option<Reduced> = None;
-        let mut before: Option<(Solution, Option<Reduced>)> = None;
-        let mut imbalance = f64::INFINITY;
-        for _ in 0..6 {
-            let current = refined.as_ref().unwrap_or(self.reduced);
-            let targets: Vec<Whirling> =
-                solution.motions.iter().take(wanted.min(solution.oscillating)).cloned().collect();
-            let (next, left) = current.refined(self.operators, self.spectrum, speed, &targets)?;
-            // what no longer shrinks is rounding, and corrections of it would be noise in the basis
-            let stalled = left > imbalance / 2.0 && left <= ACCEPTED;
-            if let (true, Some(before)) = (stalled && left > imbalance, before.take()) {
-                (solution, refined) = before;
-            } else {
-                imbalance = left;
-            }
-            if stalled || imbalance <= BALANCE {
-                break;
-            }
-            let solved = next.solve(speed)?;
-            before = Some((std::mem::replace(&mut solution, solved), refined.replace(next)));
-        }
-        // back to the common basis, so that motions of different speeds can be compared
-        if let Some(refined) = &refined {
-            solution = refined.onto(self.reduced, self.operators, solution)?;
-        }
-        Ok((solution, imbalance))
-    }
-
-    /// The motions at every speed.
-    fn sweep(&self, progress: Counter<'_>) -> Result<Vec<Solution>> {
-        let speeds = &self.speeds;
-        if !self.operators.depends_on_speed() {
-            let solution = self.solve(speeds[0])?;
-            progress(speeds.len());
-            return Ok(speeds.iter().map(|&speed| Solution { speed, ..solution.clone() }).collect());
-        }
-        speeds
-            .par_iter()
-            .map(|&speed| {
-                let solution = self.solve(speed);
-                progress(usize::from(self.settings.speeds.contains(&speed)));
-                solution
-            })
-            .collect()
-    }
-
     /// The values of a branch at the speeds asked for.
     fn at_asked_speeds(&self, branch: Branch) -> Branch {
         fn keep<T: Copy>(list: &[T], asked: &[bool]) -> Vec<T> {
@@ -310,68 +223,5 @@ impl WhirlSolver<'_> {
                 .collect(),
             ..branch
         }
-    }
-
-    /// Largest relative difference of a reported frequency to the unreduced one at the highest speed, and
-    /// a count of the frequencies below the last one there.
-    fn measured_error(&self, sweep: &[Solution], diagnostics: &mut Vec<Diagnostic>) -> Result<Option<f64>> {
-        let Some(last) = sweep.last() else { return Ok(None) };
-        let (exact, imbalance) = self.unreduced(last.speed)?;
-        if imbalance > ACCEPTED {
-            diagnostics.push(Diagnostic::warning(
-                "unreduced-check",
-                format!("the unreduced problem at the highest speed was solved to an imbalance of {imbalance:.1e} only"),
-            ));
-        }
-        let count = self.settings.modes.min(last.oscillating).min(exact.oscillating);
-        if self.operators.is_conservative() && count > 0 {
-            let (below, expected) = self.count(&exact, count, last.speed)?;
-            if below != Some(expected) {
-                diagnostics.push(Diagnostic::error(
-                    "sturm-count-at-speed",
-                    "at the highest speed an inertia count disagrees with the number of frequencies found",
-                ));
-            }
-        }
-        if self.settings.reduction.is_none() {
-            return Ok(None);
-        }
-        // in the rotating frame a frequency near zero is one near the speed, seen from there
-        let shift = if self.operators.is_rotating() { last.speed } else { 0.0 };
-        let error = |i: usize| {
-            let (ours, exact) = (last.motions[i].lambda.im, exact.motions[i].lambda.im);
-            ((ours - exact) / exact.max(shift)).abs()
-        };
-        Ok(Some((0..count).map(error).fold(0.0, f64::max)))
-    }
-
-    /// Number of negative pivots of `K + i w Omega G - w^2 M` at a frequency w in the widest gap after the
-    /// `count` lowest, and the number expected: what K itself has, and one more or less for each frequency
-    /// passed on the way from zero, by the sign of its energy.
-    fn count(&self, exact: &Solution, count: usize, speed: f64) -> Result<(Option<usize>, usize)> {
-        let frequency = |i: usize| exact.motions[i].lambda.im;
-        let candidates = (count..(count + SPARE).min(exact.oscillating)).filter(|&a| frequency(a - 1) > 0.0);
-        let widest = candidates
-            .max_by(|&a, &b| (frequency(a) / frequency(a - 1)).total_cmp(&(frequency(b) / frequency(b - 1))));
-        let Some(at) = widest else { return Ok((Some(0), 0)) };
-        let w = (frequency(at - 1) * frequency(at)).sqrt();
-        let real = |v: f64| c64::new(v, 0.0);
-        let stiffness = self.operators.stiffness_at(speed);
-        let mut terms = vec![(real(1.0), &stiffness), (real(-w * w), &self.operators.mass)];
-        if let Some(g) = &self.operators.gyroscopic {
-            terms.push((c64::new(0.0, w * speed), g));
-        }
-        let mut expected = at as isize;
-        if self.operators.is_rotating() {
-            let rigid = self.spectrum.flexibility.rigid.clone();
-            let pinned = Flexibility::new(&stiffness, &self.operators.mass, rigid)?;
-            // with growing motions left aside: they never pass a real frequency
-            let passed = exact.motions[..at].iter().filter(|m| m.lambda.re == 0.0 && m.lambda.im > 0.0);
-            let signs = passed.map(|m| if self.reduced.energy_sign(m, speed) { 1 } else { -1 });
-            expected = pinned.unstable_directions() as isize + signs.sum::<isize>();
-        }
-        expected += self.reduced.zero_frequencies(speed)? as isize;
-        let expected = usize::try_from(expected).unwrap_or(usize::MAX);
-        Ok((Ldlt::new(&combine(&terms))?.negative_pivots(), expected))
     }
 }

@@ -4,7 +4,6 @@
 //! damping and bearings and, in the consistent form, of what spin adds to the stiffness. Without them torsion and
 //! axial modes are off by up to 7e-4. Source: docs/theory/linear-rotordynamics.md#reduction.
 
-use crate::analysis::campbell::first_order::AtSpeed;
 use crate::analysis::campbell::operators::Operators;
 use crate::analysis::campbell::spin_stiffening::Nodes;
 use crate::error::Result;
@@ -14,9 +13,9 @@ use crate::shaft::spectrum::Spectrum;
 use faer::{Mat, MatRef, c64};
 
 /// Corrections of which less than this share (in energy) is new are not new directions.
-const DEPENDENT: f64 = 1e-12;
+const NEW_DIRECTION_ENERGY_SHARE: f64 = 1e-12;
 /// Share of the energy of the largest of its kind below which a correction is rounding error.
-const ROUNDING: f64 = 1e-20;
+const ROUNDING_ENERGY_SHARE: f64 = 1e-20;
 /// Imbalance (in energy, relative to the motion) below which a motion needs no correction.
 const BALANCED: f64 = 1e-16;
 
@@ -117,7 +116,7 @@ impl Reduced {
                 let f = spectrum.without_low_modes(&f);
                 let answer = spectrum.flexibility.solve(f.clone());
                 let energy: Vec<f64> = (0..f.ncols()).map(|j| answer.col(j).transpose() * f.col(j)).collect();
-                let floor = ROUNDING * energy.iter().copied().fold(0.0, f64::max);
+                let floor = ROUNDING_ENERGY_SHARE * energy.iter().copied().fold(0.0, f64::max);
                 columns(&answer, |j| energy[j] > floor)
             })
             .collect();
@@ -258,24 +257,6 @@ impl Reduced {
         }
     }
 
-    /// The motions of this (finer) basis expressed on `target`, up to what `target` does not hold.
-    ///
-    /// # Errors
-    /// A stiffness that is not positive.
-    pub fn onto(&self, target: &Self, operators: &Operators, mut solution: Solution) -> Result<Solution> {
-        let map = target.basis.transpose() * multiply(&operators.mass, self.basis.as_ref());
-        let (fine, coarse) = (AtSpeed::new(self, solution.speed)?, AtSpeed::new(target, solution.speed)?);
-        let apply = |x: &[c64]| -> Vec<c64> {
-            (0..map.nrows()).map(|i| (0..map.ncols()).map(|j| x[j] * map[(i, j)]).sum()).collect()
-        };
-        for motion in &mut solution.motions {
-            motion.right = coarse.right_of(apply(&motion.right), motion.lambda);
-            motion.left =
-                motion.left.take().map(|left| coarse.left_of(apply(&left), &apply(&fine.covector(&left))));
-        }
-        Ok(solution)
-    }
-
     /// Number of rigid motions that stay at zero frequency at a spin speed (a rigid tilt that whirls
     /// takes one of a pair with it).
     ///
@@ -300,19 +281,6 @@ impl Reduced {
         };
         let (re, im) = (&self.basis * weights(|z| z.re), &self.basis * weights(|z| z.im));
         Mat::from_fn(re.nrows(), re.ncols(), |i, j| c64::new(re[(i, j)], im[(i, j)]))
-    }
-
-    /// Number of critical speeds of the rotating frame below a speed, on this basis: negative directions of K.
-    ///
-    /// # Errors
-    /// When a small eigenproblem fails.
-    pub fn criticals_below(&self, speed: f64) -> Result<usize> {
-        let at = AtSpeed::new(self, speed)?;
-        let w = &self.frequencies[self.n_rigid..];
-        let n = w.len();
-        // over the frequencies at rest, so that no digit of the small ones is lost
-        let scaled = Mat::from_fn(n, n, |i, j| at.stiffness[(i, j)] / (w[i] * w[j]));
-        Ok(self_adjoint(scaled.as_ref())?.0.iter().filter(|v| **v < 0.0).count())
     }
 
     /// True when the energy of an undamped motion at frequency w is positive: `2 w v^H v + Omega Im(v^H G v)`.
@@ -381,7 +349,8 @@ fn independent(
     }
     let gram = x.transpose() * spectrum.stiffness_times(x.as_ref());
     let (energies, directions) = self_adjoint(gram.as_ref())?;
-    let kept: Vec<usize> = (0..energies.len()).filter(|&i| energies[i] > DEPENDENT).collect();
+    let kept: Vec<usize> =
+        (0..energies.len()).filter(|&i| energies[i] > NEW_DIRECTION_ENERGY_SHARE).collect();
     let turn =
         Mat::from_fn(x.ncols(), kept.len(), |i, j| directions[(i, kept[j])] / energies[kept[j]].sqrt());
     let x = &x * turn;

@@ -23,8 +23,9 @@ const WANTED: f64 = 1e-10;
 const CHECK: f64 = 0.4162;
 /// Displacement over the reference length below which the linear answer is exact to rounding, and below
 /// which Newton's method would see only rounding errors.
-const LINEAR: f64 = 1e-8;
-const NEWTON: NewtonSettings = NewtonSettings { load_steps: 1, max_iterations: 25, tolerance: 1e-20 };
+const LINEAR_PER_LENGTH: f64 = 1e-8;
+const EQUILIBRIUM_NEWTON: NewtonSettings =
+    NewtonSettings { load_steps: 1, max_iterations: 25, tolerance: 1e-20 };
 
 /// Nodes of an interpolation over speed.
 #[derive(Debug, Clone)]
@@ -142,10 +143,10 @@ impl<'a> Spinning<'a> {
         let balance = Balance::new(self.assembly, Which::None, speed)?;
         let linear = self.linear(&balance, speed)?;
         let largest = linear.iter().fold(0.0, |m: f64, z| m.max(z.abs()));
-        let found = if largest <= LINEAR * self.assembly.model.reference_length {
+        let found = if largest <= LINEAR_PER_LENGTH * self.assembly.model.reference_length {
             linear
         } else {
-            let found = balance.solve(NEWTON, start)?;
+            let found = balance.solve(EQUILIBRIUM_NEWTON, start)?;
             if found.load_factor < 1.0 {
                 let reached = speed * found.load_factor.sqrt();
                 return Err(burst(reached, "Newton's method with halved steps in Omega^2"));

@@ -19,11 +19,11 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef, c64};
 
 /// Relative difference of two values up to which their vectors may be mixtures, or copies of each other.
-const NEAR: f64 = 1e-2;
+const MIXED_RTOL: f64 = 1e-2;
 /// Relative difference of two speeds that is none.
-const EQUAL: f64 = 1e-8;
+const SAME_SPEED_RTOL: f64 = 1e-8;
 /// Most critical speeds that are solved for.
-pub const MOST: usize = 200;
+pub const MOST_CRITICAL_SPEEDS: usize = 200;
 
 /// A critical speed and its shape in free coordinates.
 pub struct Critical {
@@ -35,7 +35,7 @@ pub struct Critical {
 
 /// Critical speeds with what vouches for them.
 pub struct Criticals {
-    /// Ascending, at most [`MOST`].
+    /// Ascending, at most [`MOST_CRITICAL_SPEEDS`].
     pub list: Vec<Critical>,
     /// Their number agrees with the inertia count.
     pub complete: bool,
@@ -78,6 +78,48 @@ fn rigid_inertia(operators: &Operators, spectrum: &Spectrum) -> Result<usize> {
     Ok(self_adjoint(block.as_ref())?.0.iter().filter(|v| **v < 0.0).count())
 }
 
+/// A function of each of the parts of a vector: of the whole of a real one, of the real and the imaginary part of a complex one.
+fn on_parts(parts: usize, f: &dyn Fn(MatRef<'_, f64>) -> Mat<f64>, x: MatRef<'_, f64>) -> Mat<f64> {
+    let n = x.nrows() / parts;
+    match parts {
+        1 => f(x),
+        _ => stack(f(x.get(..n, ..)).as_ref(), f(x.get(n.., ..)).as_ref()),
+    }
+}
+
+/// `B x` with `B (a, b) = (M a + G b, M b - G a)` of parts a and b, less the secant of the stiffness by the square of the speed;
+/// without M in the rotating frame.
+fn inertia_image(
+    operators: &Operators,
+    secant: Option<&Sparse>,
+    parts: usize,
+    x: MatRef<'_, f64>,
+) -> Mat<f64> {
+    let n = x.nrows() / parts;
+    let mut y = on_parts(
+        parts,
+        &|a| {
+            let inertia = (parts == 2).then(|| multiply(&operators.mass, a));
+            let stiffening = secant.map(|s| multiply(s, a));
+            match (inertia, stiffening) {
+                (Some(m), Some(s)) => m - s,
+                (Some(m), None) => m,
+                (None, Some(s)) => -s,
+                (None, None) => Mat::zeros(a.nrows(), a.ncols()),
+            }
+        },
+        x,
+    );
+    if let (Some(g), 2) = (&operators.gyroscopic, parts) {
+        let (ga, gb) = (multiply(g, x.get(..n, ..)), multiply(g, x.get(n.., ..)));
+        let mut top = y.get_mut(..n, ..);
+        top += gb;
+        let mut bottom = y.get_mut(n.., ..);
+        bottom -= ga;
+    }
+    y
+}
+
 /// The critical speeds from above zero up to `highest`.
 ///
 /// # Errors
@@ -92,35 +134,10 @@ pub fn critical_speeds(operators: &Operators, spectrum: &Spectrum, highest: f64)
     let flexibility = &spectrum.flexibility;
     let n_rigid = flexibility.rigid.ncols();
     let secant = operators.secant(highest);
-    // x = a + i b as (a, b): K on both, B (a, b) = (M a + G b, M b - G a); real in the rotating frame
+    // x = a + i b as (a, b); real in the rotating frame
     let parts = if operators.is_rotating() { 1 } else { 2 };
-    let apart = |f: &dyn Fn(MatRef<'_, f64>) -> Mat<f64>, x: MatRef<'_, f64>| match parts {
-        1 => f(x),
-        _ => stack(f(x.get(..n, ..)).as_ref(), f(x.get(n.., ..)).as_ref()),
-    };
-    let apply_b = |x: MatRef<'_, f64>| {
-        let mut y = apart(
-            &|a| {
-                let inertia = (parts == 2).then(|| multiply(&operators.mass, a));
-                let stiffening = secant.as_ref().map(|s| multiply(s, a));
-                match (inertia, stiffening) {
-                    (Some(m), Some(s)) => m - s,
-                    (Some(m), None) => m,
-                    (None, Some(s)) => -s,
-                    (None, None) => Mat::zeros(a.nrows(), a.ncols()),
-                }
-            },
-            x,
-        );
-        if let (Some(g), 2) = (&operators.gyroscopic, parts) {
-            let (ga, gb) = (multiply(g, x.get(..n, ..)), multiply(g, x.get(n.., ..)));
-            let mut top = y.get_mut(..n, ..);
-            top += gb;
-            let mut bottom = y.get_mut(n.., ..);
-            bottom -= ga;
-        }
-        y
-    };
+    let apart = |f: &dyn Fn(MatRef<'_, f64>) -> Mat<f64>, x: MatRef<'_, f64>| on_parts(parts, f, x);
+    let apply_b = |x: MatRef<'_, f64>| inertia_image(operators, secant.as_ref(), parts, x);
     let rigid = if parts == 1 {
         flexibility.rigid.clone()
     } else {
@@ -157,7 +174,7 @@ pub fn critical_speeds(operators: &Operators, spectrum: &Spectrum, highest: f64)
         clean: &clean,
         apart: flexibility.soft_motions().map(|soft| apart_in(parts, soft)),
     };
-    let wanted = expected.min(MOST);
+    let wanted = expected.min(MOST_CRITICAL_SPEEDS);
     let pairs = lanczos::lowest(&pencil, parts * wanted)?;
     if pairs.vectors.col_iter().any(|c| c.iter().any(|v| !v.is_finite())) {
         return Err(Error::analysis(
@@ -173,21 +190,30 @@ pub fn critical_speeds(operators: &Operators, spectrum: &Spectrum, highest: f64)
     } else {
         complex_shapes(spectrum, pairs.values, pairs.vectors)
     };
+    let imbalance = polish(operators, spectrum, secant.is_some(), &mut list)?;
+    let complete = list.len() == wanted && list.last().is_none_or(|c| c.speed <= highest * (1.0 + 1e-9));
+    Ok(Criticals { list, complete, imbalance })
+}
+
+/// Brings each speed into balance with the stiffness of its own, and chooses among shapes of equal speeds; returns the largest
+/// imbalance that remains.
+fn polish(operators: &Operators, spectrum: &Spectrum, stiffens: bool, list: &mut [Critical]) -> Result<f64> {
     let mut imbalance = 0.0_f64;
-    if secant.is_some() {
+    if stiffens {
         list.iter_mut().for_each(|critical| settle(operators, spectrum, critical));
         list.sort_by(|a, b| a.speed.total_cmp(&b.speed));
-        for critical in &list {
+        for critical in &*list {
             imbalance = imbalance.max(left_over(operators, spectrum, critical));
         }
     }
-    if parts == 2 {
-        for equal in list.chunk_by_mut(|a, b| b.speed / a.speed - 1.0 <= EQUAL).filter(|c| c.len() > 1) {
+    if !operators.is_rotating() {
+        for equal in
+            list.chunk_by_mut(|a, b| b.speed / a.speed - 1.0 <= SAME_SPEED_RTOL).filter(|c| c.len() > 1)
+        {
             circularise(operators, equal)?;
         }
     }
-    let complete = list.len() == wanted && list.last().is_none_or(|c| c.speed <= highest * (1.0 + 1e-9));
-    Ok(Criticals { list, complete, imbalance })
+    Ok(imbalance)
 }
 
 /// Shapes at one speed are arbitrary mixtures: chooses those that travel most clearly, the backward ones first.
@@ -274,7 +300,7 @@ fn complex_shapes(spectrum: &Spectrum, values: Vec<f64>, vectors: Mat<f64>) -> V
         let length = product(&shape, &image).re;
         for (other, x, kx) in &kept {
             // eigenvectors of other values have no share in it
-            if (value / other - 1.0).abs() < NEAR {
+            if (value / other - 1.0).abs() < MIXED_RTOL {
                 let share = product(kx, &shape) / product(kx, x);
                 shape.iter_mut().zip(x).for_each(|(s, x)| *s -= share * x);
                 image.iter_mut().zip(kx).for_each(|(s, kx)| *s -= share * kx);

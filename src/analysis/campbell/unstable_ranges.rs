@@ -1,9 +1,9 @@
 //! Ranges of speed in which a motion grows, their ends refined, and the lowest of them.
 
-use crate::analysis::campbell::WhirlSolver;
 use crate::analysis::campbell::branch_tracking::most_like;
 use crate::analysis::campbell::branches::Tracked;
 use crate::analysis::campbell::reduced_basis::{Solution, Whirling};
+use crate::analysis::campbell::sweep::WhirlSolver;
 use crate::error::Result;
 use crate::results::{Diagnostic, ModeKind, UnstableRange};
 use std::f64::consts::PI;

@@ -1,11 +1,13 @@
 //! The motions of the reduced model at one speed: those that oscillate, those that creep, and the sense in which their
 //! patterns travel around the axis.
 
-use crate::analysis::campbell::first_order::AtSpeed;
+use crate::analysis::campbell::first_order::FirstOrderForm;
+use crate::analysis::campbell::operators::Operators;
 use crate::analysis::campbell::reduced_basis::{Overdamped, Reduced, Solution, Whirling};
 use crate::error::Result;
 use crate::linalg::dense::{general, self_adjoint};
 use crate::linalg::skew::skew_eigenpairs;
+use crate::linalg::sparse::multiply;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef, c64};
 
@@ -26,7 +28,7 @@ impl Reduced {
     /// # Errors
     /// When the small eigenproblem fails, or the shaft bursts.
     pub fn solve(&self, speed: f64) -> Result<Solution> {
-        let at = AtSpeed::new(self, speed)?;
+        let at = FirstOrderForm::new(self, speed)?;
         let conservative =
             self.damping.is_none() && self.cross_coupling.is_none() && self.circulatory.is_none();
         let (mut motions, mut creeping) = if conservative && at.is_skew() {
@@ -53,7 +55,7 @@ impl Reduced {
     }
 
     /// The motions of a skew state matrix.
-    fn undamped(&self, at: &AtSpeed<'_>) -> Result<Vec<Whirling>> {
+    fn undamped(&self, at: &FirstOrderForm<'_>) -> Result<Vec<Whirling>> {
         let (zero, largest) = self.range();
         let (values, vectors) = skew_eigenpairs(at.state_matrix().as_ref())?;
         let oscillating = (0..values.len()).filter(|&k| values[k] > zero);
@@ -68,7 +70,7 @@ impl Reduced {
     }
 
     /// The motions of a general state matrix: those that oscillate, and those that creep.
-    fn damped(&self, at: &AtSpeed<'_>, conservative: bool) -> Result<(Vec<Whirling>, Vec<Whirling>)> {
+    fn damped(&self, at: &FirstOrderForm<'_>, conservative: bool) -> Result<(Vec<Whirling>, Vec<Whirling>)> {
         let (zero, largest) = self.range();
         let a = at.state_matrix();
         let (values, vectors) = general(a.as_ref())?;
@@ -196,4 +198,38 @@ impl Reduced {
 
 fn column(a: MatRef<'_, c64>, j: usize) -> Vec<c64> {
     a.col(j).iter().copied().collect()
+}
+
+impl Reduced {
+    /// The motions of this (finer) basis expressed on `target`, up to what `target` does not hold.
+    ///
+    /// # Errors
+    /// A stiffness that is not positive.
+    pub fn onto(&self, target: &Self, operators: &Operators, mut solution: Solution) -> Result<Solution> {
+        let map = target.basis.transpose() * multiply(&operators.mass, self.basis.as_ref());
+        let (fine, coarse) =
+            (FirstOrderForm::new(self, solution.speed)?, FirstOrderForm::new(target, solution.speed)?);
+        let apply = |x: &[c64]| -> Vec<c64> {
+            (0..map.nrows()).map(|i| (0..map.ncols()).map(|j| x[j] * map[(i, j)]).sum()).collect()
+        };
+        for motion in &mut solution.motions {
+            motion.right = coarse.right_of(apply(&motion.right), motion.lambda);
+            motion.left =
+                motion.left.take().map(|left| coarse.left_of(apply(&left), &apply(&fine.covector(&left))));
+        }
+        Ok(solution)
+    }
+
+    /// Number of critical speeds of the rotating frame below a speed, on this basis: negative directions of K.
+    ///
+    /// # Errors
+    /// When a small eigenproblem fails.
+    pub fn criticals_below(&self, speed: f64) -> Result<usize> {
+        let at = FirstOrderForm::new(self, speed)?;
+        let w = &self.frequencies[self.n_rigid..];
+        let n = w.len();
+        // over the frequencies at rest, so that no digit of the small ones is lost
+        let scaled = Mat::from_fn(n, n, |i, j| at.stiffness[(i, j)] / (w[i] * w[j]));
+        Ok(self_adjoint(scaled.as_ref())?.0.iter().filter(|v| **v < 0.0).count())
+    }
 }

@@ -14,26 +14,26 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// Newton iterations of a load step.
-const ITERATIONS: usize = 60;
+const MOST_ITERATIONS: usize = 60;
 /// Correction of a converged state, over the height.
-const CONVERGED: f64 = 1e-11;
+const CONVERGED_PER_HEIGHT: f64 = 1e-11;
 /// Correction over the height from which, after some iterations, nothing leads back.
-const LOST: f64 = 1e6;
+const LOST_PER_HEIGHT: f64 = 1e6;
 /// Those iterations.
 const SETTLING: usize = 5;
 /// Times that a load step is halved.
-const HALVINGS: i32 = 10;
+const MOST_HALVINGS: i32 = 10;
 /// Largest correction of an iteration, over the height, while something is near.
-const STRIDE: f64 = 0.5;
+const LARGEST_CORRECTION_HEIGHTS: f64 = 0.5;
 /// Gap over the height up to which a spring has its stiffness although it is not compressed.
-const TOUCHING: f64 = 1e-12;
+const TOUCHING_HEIGHTS: f64 = 1e-12;
 /// Correction over the height up to which two states that take turns are one equilibrium: a node that rests on the kink between two
 /// elements is pushed to and fro by their normals.
 const TURNS: f64 = 1e-4;
 /// What two corrections miss to be opposite, over their size.
 const OPPOSITE: f64 = 1e-2;
 /// Compliance that keeps coincident constraints apart, over that of the penalty of a point; it is iterated away.
-const COMPLIANCE: f64 = 1e-3;
+const COMPLIANCE_SHARE: f64 = 1e-3;
 
 /// An equilibrium.
 pub struct SceneState {
@@ -104,14 +104,14 @@ impl<'a> SceneEquilibrium<'a> {
                     self.multipliers = multipliers;
                     self.stats.cut += 1;
                     size /= 2.0;
-                    if size < step * 2.0_f64.powi(-HALVINGS) {
+                    if size < step * 2.0_f64.powi(-MOST_HALVINGS) {
                         stopped = Some(why);
                         break;
                     }
                 }
             }
         }
-        let limit = TOUCHING * self.height;
+        let limit = TOUCHING_HEIGHTS * self.height;
         let (springs, forces) = match self.bodies.scene.contact.method {
             Enforcement::ActiveSet => {
                 let all = self.detector.springs(self.bodies, &q, f64::INFINITY);
@@ -137,7 +137,7 @@ impl<'a> SceneEquilibrium<'a> {
         let exact = self.bodies.scene.contact.method == Enforcement::ActiveSet;
         let mut q = start.to_vec();
         let (mut last, mut before) = (f64::INFINITY, Vec::new());
-        for iteration in 1..=ITERATIONS {
+        for iteration in 1..=MOST_ITERATIONS {
             self.stats.iterations += 1;
             self.stats.most_iterations = self.stats.most_iterations.max(iteration);
             let begin = Instant::now();
@@ -149,7 +149,7 @@ impl<'a> SceneEquilibrium<'a> {
             if !size.is_finite() {
                 return Err("a correction is not finite".to_owned());
             }
-            if iteration >= SETTLING && size > LOST * self.height {
+            if iteration >= SETTLING && size > LOST_PER_HEIGHT * self.height {
                 return Err(format!("Newton's method is lost: a correction of {size:.1e} m"));
             }
             let turns = settled && iteration > SETTLING && size <= TURNS * self.height;
@@ -161,12 +161,12 @@ impl<'a> SceneEquilibrium<'a> {
             self.correct(&mut q, &delta);
             // a correction at the rounding error of the system is the end as well
             let stalled = iteration > 10 && size < 1e-8 * self.height && size >= last / 2.0;
-            if settled && (size <= CONVERGED * self.height || stalled) {
+            if settled && (size <= CONVERGED_PER_HEIGHT * self.height || stalled) {
                 return Ok(q);
             }
             (last, before) = (size, delta);
         }
-        Err(format!("{ITERATIONS} Newton iterations, last correction {last:.1e} m"))
+        Err(format!("{MOST_ITERATIONS} Newton iterations, last correction {last:.1e} m"))
     }
 
     /// Internal forces less loads, and their tangent.
@@ -194,7 +194,7 @@ impl<'a> SceneEquilibrium<'a> {
     /// Moves the state by a correction, shortened while something is near.
     fn correct(&self, q: &mut [f64], delta: &[f64]) {
         let size = largest(delta);
-        let limit = STRIDE * self.height;
+        let limit = LARGEST_CORRECTION_HEIGHTS * self.height;
         let share = if self.detector.any() && size > limit { limit / size } else { 1.0 };
         self.bodies.free().iter().zip(delta).for_each(|(&k, d)| q[k] += share * d);
     }
@@ -205,7 +205,7 @@ impl<'a> SceneEquilibrium<'a> {
         let mut force = self.balance(q, factor, &mut entries);
         let start = Instant::now();
         let recut = self.detector.cut(self.bodies, q);
-        let springs = self.detector.springs(self.bodies, q, TOUCHING * self.height);
+        let springs = self.detector.springs(self.bodies, q, TOUCHING_HEIGHTS * self.height);
         self.stats.gaps += springs.len();
         let springs: Vec<ContactSpring> = springs.into_iter().map(|(_, s)| s).collect();
         penalty::add(
@@ -219,7 +219,7 @@ impl<'a> SceneEquilibrium<'a> {
         self.cost.gaps_s += start.elapsed().as_secs_f64();
         let mut delta: Vec<f64> = self.bodies.free().iter().map(|&k| -force[k]).collect();
         self.solve_system(delta.len(), &entries, &mut delta)?;
-        Ok((delta, recut <= CONVERGED.sqrt()))
+        Ok((delta, recut <= CONVERGED_PER_HEIGHT.sqrt()))
     }
 
     /// A step of the primal-dual active set: probes with `multiplier - penalty g > 0` are held at g = 0. Its correction, and whether the
@@ -238,7 +238,9 @@ impl<'a> SceneEquilibrium<'a> {
         let scale = (0..scene.bodies.len()).map(|i| scene.point_penalty(i, penalty)).fold(0.0, f64::max);
         let active: Vec<&(Key, ContactSpring)> = list
             .iter()
-            .filter(|(k, s)| self.multiplier(*k) - scale * s.gap.value > -scale * TOUCHING * self.height)
+            .filter(|(k, s)| {
+                self.multiplier(*k) - scale * s.gap.value > -scale * TOUCHING_HEIGHTS * self.height
+            })
             .collect();
         let n = self.bodies.free().len();
         let mut rhs = vec![0.0; n + active.len()];
@@ -253,7 +255,7 @@ impl<'a> SceneEquilibrium<'a> {
                 }
             }
             let old = self.multiplier(*k);
-            let compliance = COMPLIANCE / scale;
+            let compliance = COMPLIANCE_SHARE / scale;
             entries.add(row, row, -compliance);
             rhs[row] = spring.gap.value - compliance * old;
             let places = spring.gap.coordinates(components);

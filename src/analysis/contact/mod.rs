@@ -21,7 +21,7 @@ use recorder::{SceneRecorder, due, kind, pairs, views};
 use std::time::Instant;
 
 /// Overlap at the start that is rounding, over the height.
-const TOUCHING: f64 = 1e-6;
+const OVERLAP_ROUNDING_HEIGHTS: f64 = 1e-6;
 
 /// Gain of energy, over the largest kinetic energy, that is warned of.
 const GAINED: f64 = 0.01;
@@ -126,7 +126,8 @@ pub fn overlap(scene: &Scene) -> Result<Option<Overlap>> {
         search.update(&bodies, bodies.reference());
         search.overlap(&bodies, bodies.reference()).map(|(a, b, gap)| (a, b, -gap))
     };
-    let limit = |a: usize, b: usize| TOUCHING * scene.bodies[a].height.min(scene.bodies[b].height);
+    let limit =
+        |a: usize, b: usize| OVERLAP_ROUNDING_HEIGHTS * scene.bodies[a].height.min(scene.bodies[b].height);
     Ok(found
         .filter(|&(a, b, depth)| depth > limit(a, b))
         .map(|(a, b, depth)| Overlap { bodies: (a, b), depth }))
@@ -217,6 +218,18 @@ fn moving(bodies: &Bodies<'_>, until: f64, watch: Watch<'_>) -> Result<Outcome<C
             break;
         }
     }
+    Ok(moved(bodies, motion, recorder, converged, diagnostics))
+}
+
+/// Results of a motion, as far as it came.
+fn moved(
+    bodies: &Bodies<'_>,
+    mut motion: Motion<'_>,
+    mut recorder: SceneRecorder<'_>,
+    converged: bool,
+    mut diagnostics: Vec<Diagnostic>,
+) -> Outcome<Contact> {
+    let (scene, settings) = (bodies.scene, &bodies.scene.contact);
     let change = recorder.energy_change();
     if let Some((_, gained)) = change.filter(|(_, gained)| *gained > GAINED) {
         diagnostics.push(Diagnostic::warning(
@@ -256,7 +269,7 @@ fn moving(bodies: &Bodies<'_>, until: f64, watch: Watch<'_>) -> Result<Outcome<C
         snapshots: recorder.snapshots,
         cost: motion.cost,
     };
-    Ok(Outcome { results, model, diagnostics })
+    Outcome { results, model, diagnostics }
 }
 
 fn resting(bodies: &Bodies<'_>, watch: Watch<'_>) -> Result<Outcome<Contact>> {

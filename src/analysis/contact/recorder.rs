@@ -15,9 +15,9 @@ const CIRCLE: usize = 48;
 /// Share of its length below which a body's axis is seen end on.
 const END_ON: f64 = 0.2;
 /// Bodies of a scene all of whose pairs are followed; of larger ones the pairs that have touched.
-const FOLLOWED: usize = 6;
+const FOLLOWED_BODIES: usize = 6;
 /// Share of a step that a time may miss an output by.
-const ROUNDING: f64 = 1e-6;
+const OUTPUT_TIME_SHARE: f64 = 1e-6;
 
 /// Energies and momenta of a state.
 #[derive(Debug, Clone, Copy)]
@@ -76,7 +76,7 @@ impl ContactTouch {
 /// Pairs of bodies that are followed from the start, the smaller index first: all of a small scene.
 pub fn pairs(scene: &Scene) -> Vec<(usize, usize)> {
     let count = scene.bodies.len();
-    if count > FOLLOWED {
+    if count > FOLLOWED_BODIES {
         return Vec::new();
     }
     (0..count)
@@ -400,5 +400,5 @@ fn strip(bodies: &Bodies<'_>, q: &[f64], body: usize, [across, up]: [usize; 2]) 
 
 /// Whether a time has come, up to rounding.
 pub fn due(t: f64, at: f64, step: f64) -> bool {
-    t >= at - ROUNDING * step
+    t >= at - OUTPUT_TIME_SHARE * step
 }

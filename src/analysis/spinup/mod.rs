@@ -38,7 +38,8 @@ use std::ops::ControlFlow;
 use steady::steady;
 
 /// Newton's method for equilibria.
-const NEWTON: NewtonSettings = NewtonSettings { load_steps: 1, max_iterations: 40, tolerance: 1e-20 };
+const EQUILIBRIUM_NEWTON: NewtonSettings =
+    NewtonSettings { load_steps: 1, max_iterations: 40, tolerance: 1e-20 };
 /// Halvings that locate the speed of lost equilibrium.
 const BISECTIONS: usize = 20;
 /// First step over the shortest phase.
@@ -120,7 +121,7 @@ pub fn spinup(model: &Model, settings: &SpinupSettings, watch: Watch<'_>) -> Res
     let which = if settings.start_speed == 0.0 { Which::All } else { Which::ConstantInTurningFrame };
     let rest = Balance::new(&assembly, which, settings.start_speed)?;
     pinned_remark(&rest, &mut diagnostics);
-    let start = rest.solve(NEWTON, None)?;
+    let start = rest.solve(EQUILIBRIUM_NEWTON, None)?;
     if start.load_factor < 1.0 {
         return Err(Error::analysis(
             "the shaft finds no static equilibrium under gravity and loads to start from",
@@ -203,7 +204,7 @@ fn balanced_equilibrium(model: &Model, speed: f64) -> Result<(Equilibrium, bool)
     balanced.disks.iter_mut().for_each(|d| d.offset = [0.0; 2]);
     let assembly = Assembly::new(&balanced);
     let balance = Balance::new(&assembly, Which::None, speed)?;
-    let state = balance.solve(NEWTON, None)?;
+    let state = balance.solve(EQUILIBRIUM_NEWTON, None)?;
     // burst is a loss of stability within a circumferential harmonic, not at every critical speed
     let axisymmetric = model.sections.iter().all(crate::section::Section::is_axisymmetric);
     let stable = !axisymmetric || state.load_factor < 1.0 || {

@@ -23,26 +23,26 @@ use faer::Scale;
 use std::f64::consts::TAU;
 
 /// Harmonics of the first solution; linear equations with gravity and uneven bearings need no more.
-const FIRST: usize = 2;
+const FIRST_HARMONICS: usize = 2;
 /// Most harmonics.
-const MOST: usize = 16;
+const MOST_HARMONICS: usize = 16;
 /// Relative change by more harmonics at which the motion has settled.
-const SETTLED: f64 = 1e-9;
+const SETTLED_RTOL: f64 = 1e-9;
 /// Relative change by more harmonics that is still an answer.
-const ACCEPTED: f64 = 1e-3;
+const ACCEPTED_RTOL: f64 = 1e-3;
 /// Relative correction at which Newton's iteration ends.
-const DONE: f64 = 1e-12;
+const NEWTON_RTOL: f64 = 1e-12;
 /// Shortest share of a correction that is gone, and relative size of one that is gone wholly.
-const SHORTEST: f64 = 1e-3;
-const SMALL: f64 = 1e-6;
+const SHORTEST_STEP_SHARE: f64 = 1e-3;
+const WHOLE_STEP_RTOL: f64 = 1e-6;
 /// Correction over the motion that may no longer shrink: the forces of a small motion are rounding to this.
-const STALLED: f64 = 1e-7;
+const STALLED_RTOL: f64 = 1e-7;
 /// The same over what rounding of the internal forces moves.
-const OF_ROUNDING: f64 = 10.0;
+const STALLED_OVER_ROUNDING: f64 = 10.0;
 /// Most Newton iterations.
-const ITERATIONS: usize = 60;
+const MOST_ITERATIONS: usize = 60;
 /// Convergence rate from which a fresh matrix is worth its price.
-const SLOW: f64 = 0.2;
+const SLOW_RATE: f64 = 0.2;
 
 /// A periodic motion.
 pub struct Orbit {
@@ -110,17 +110,17 @@ pub fn periodic(assembly: &Assembly<'_>, speed: f64, start: Option<Vec<f64>>) ->
     let mut dynamics = Dynamics::new(assembly, Drive::constant(speed), Frame::Rotating)?;
     let mut system = System::new(assembly, speed)?;
     let mut orbit = Orbit {
-        harmonics: FIRST,
+        harmonics: FIRST_HARMONICS,
         truncation: f64::INFINITY,
         iterations: 0,
-        coefficients: vec![vec![0.0; assembly.size()]; 2 * FIRST + 1],
+        coefficients: vec![vec![0.0; assembly.size()]; 2 * FIRST_HARMONICS + 1],
     };
     if let Some(mean) = start {
         orbit.coefficients[0] = mean;
     }
-    system.rounding = OF_ROUNDING * system.moved_by_rounding(&orbit)?;
+    system.rounding = STALLED_OVER_ROUNDING * system.moved_by_rounding(&orbit)?;
     system.solve(&mut dynamics, &mut orbit)?;
-    while orbit.harmonics < MOST {
+    while orbit.harmonics < MOST_HARMONICS {
         let before = orbit.coefficients.clone();
         orbit.harmonics *= 2;
         orbit.coefficients.resize(2 * orbit.harmonics + 1, vec![0.0; assembly.size()]);
@@ -133,14 +133,17 @@ pub fn periodic(assembly: &Assembly<'_>, speed: f64, start: Option<Vec<f64>>) ->
         // changes that are rounding tell nothing of harmonics
         let change = largest(changes);
         orbit.truncation = if change <= system.rounding { 0.0 } else { change / size };
-        if orbit.truncation <= SETTLED {
+        if orbit.truncation <= SETTLED_RTOL {
             break;
         }
     }
-    if orbit.truncation > ACCEPTED {
+    if orbit.truncation > ACCEPTED_RTOL {
         return Err(Error::analysis(
             "the periodic motion has too many harmonics",
-            format!("{MOST} harmonics, the last of which still changed it by {:.1e}", orbit.truncation),
+            format!(
+                "{MOST_HARMONICS} harmonics, the last of which still changed it by {:.1e}",
+                orbit.truncation
+            ),
             "run the transient: leave out `spinup.steady`",
         ));
     }
@@ -216,7 +219,7 @@ impl<'a> System<'a> {
         let mut factor: Option<SparseLu> = None;
         let mut previous = f64::INFINITY;
         let (mut size, mut change) = (0.0, f64::INFINITY);
-        for _ in 0..ITERATIONS {
+        for _ in 0..MOST_ITERATIONS {
             orbit.iterations += 1;
             let residual = self.residual(dynamics, orbit);
             let lu = match factor.take() {
@@ -230,12 +233,12 @@ impl<'a> System<'a> {
             if !change.is_finite() || !size.is_finite() {
                 break;
             }
-            let stalled = change > previous / 2.0 && change <= (STALLED * size).max(self.rounding);
-            if change <= DONE * size || stalled {
+            let stalled = change > previous / 2.0 && change <= (STALLED_RTOL * size).max(self.rounding);
+            if change <= NEWTON_RTOL * size || stalled {
                 return Ok(());
             }
             // a matrix that serves is kept
-            factor = (whole && change < SLOW * previous && previous.is_finite()).then_some(lu);
+            factor = (whole && change < SLOW_RATE * previous && previous.is_finite()).then_some(lu);
             previous = change;
         }
         Err(Error::analysis(
@@ -287,7 +290,7 @@ impl<'a> System<'a> {
                 coefficient.iter_mut().zip(start).zip(d).for_each(|((c, s), d)| *c = s - share * d);
             }
             let size = largest(orbit.coefficients.iter().flatten().copied());
-            if share < SHORTEST || largest(correction.iter().copied()) <= SMALL * size {
+            if share < SHORTEST_STEP_SHARE || largest(correction.iter().copied()) <= WHOLE_STEP_RTOL * size {
                 return share == 1.0;
             }
             let after = work(&self.residual(dynamics, orbit));

@@ -7,7 +7,6 @@ use crate::analysis::probes::{Centre, displacement, element_at, growth_in};
 use crate::analysis::section_forces::{ForceReader, probe_section};
 use crate::analysis::spinup::remarks::{clear_remark, summary};
 use crate::analysis::spinup::rub_recorder::RubRecorder;
-use crate::analysis::spinup::steady::sections_at;
 use crate::analysis::spinup::{RunResult, spin_state};
 use crate::analysis::statics::strain_remark;
 use crate::analysis::stations::{GrowthStation, growth_along, headline, section_growth};
@@ -362,4 +361,10 @@ pub(super) fn energy(state: &MotionState) -> f64 {
 pub(super) fn absorbed(flows: &Flows, state: &MotionState, start: &MotionState, viscous: bool) -> [f64; 4] {
     let material = if viscous { flows.internal - (state.strain - start.strain) } else { 0.0 };
     [material, flows.external, flows.bearings, flows.friction]
+}
+
+/// What passes through the sections at a moment.
+fn sections_at(dynamics: &mut Dynamics<'_>, moment: &Moment) -> SectionForces {
+    dynamics.evaluate(moment.t, &moment.z, &moment.v, &moment.a);
+    ForceReader::new(dynamics.assembly).sections(&dynamics.acting())
 }

@@ -11,11 +11,11 @@ use crate::shaft::motion::Dynamics;
 use crate::shaft::stator_ring::AxisPath;
 
 /// Points of a step with a ring that acts or is reached that are looked at for the record.
-const POINTS: usize = 6;
+const POINTS_OF_A_STEP: usize = 6;
 /// Most points of a curve that is drawn.
-const DRAWN: f64 = 20_000.0;
+const MOST_DRAWN_POINTS: f64 = 20_000.0;
 /// Events of a stator that are listed; all are counted.
-const LISTED: usize = 1000;
+const LISTED_EVENTS: usize = 1000;
 
 /// Collects what happens at the stators.
 pub struct RubRecorder {
@@ -65,7 +65,7 @@ impl RubRecorder {
             stators: stators.iter().zip(start).map(summary).collect(),
             histories: vec![StatorHistory::default(); stators.len()],
             since: vec![None; start.len()],
-            drawn: (f64::NEG_INFINITY, until / DRAWN),
+            drawn: (f64::NEG_INFINITY, until / MOST_DRAWN_POINTS),
         })
     }
 
@@ -98,8 +98,8 @@ impl RubRecorder {
         }
         let n = step.end.z.len();
         let (mut z, mut v, mut a) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-        for k in 0..=POINTS {
-            let t = step.start.t + h * k as f64 / POINTS as f64;
+        for k in 0..=POINTS_OF_A_STEP {
+            let t = step.start.t + h * k as f64 / POINTS_OF_A_STEP as f64;
             step.interpolate(t, &mut z, &mut v, &mut a);
             let contacts = dynamics.contacts(t, &z, &v);
             let draw = t - self.drawn.0 >= self.drawn.1;
@@ -121,7 +121,7 @@ impl RubRecorder {
         let (stator, since) = (&mut self.stators[i], &mut self.since[i]);
         let clearance = stator.clearance_m;
         let mut share = 0.0;
-        for point in (1..=POINTS).map(|k| k as f64 / POINTS as f64) {
+        for point in (1..=POINTS_OF_A_STEP).map(|k| k as f64 / POINTS_OF_A_STEP as f64) {
             if since.is_none() {
                 let Some(made) = path.passes(clearance, share) else { return };
                 share = made;
@@ -188,7 +188,7 @@ fn end_contact(stator: &mut StatorSummary, duration: f64) {
 }
 
 fn list(stator: &mut StatorSummary, time_s: f64, kind: RubEventKind) {
-    if stator.events.len() < LISTED {
+    if stator.events.len() < LISTED_EVENTS {
         stator.events.push(RubEvent { time_s, kind });
     }
 }

@@ -8,14 +8,14 @@ use crate::analysis::spinup::orbit;
 use crate::analysis::spinup::orbit::Orbit;
 use crate::analysis::spinup::recorder::RunRecorder;
 use crate::analysis::spinup::remarks::clear_remark;
-use crate::analysis::spinup::{NEWTON, spin_state};
+use crate::analysis::spinup::{EQUILIBRIUM_NEWTON, spin_state};
 use crate::analysis::statics::{newton_summary, pinned_remark, strain_remark};
 use crate::analysis::stations::growth_along;
 use crate::analysis::{Outcome, nonlinear_summary};
 use crate::error::{Error, Result};
 use crate::integrate::{Flows, Moment};
 use crate::model::{CampbellSettings, Form, Frame, Gyroscopic, Model, SpinupSettings, WhirlFrame};
-use crate::results::{Diagnostic, LeftOut, Modelled, OrbitSummary, SectionForces, Spinup};
+use crate::results::{Diagnostic, LeftOut, Modelled, OrbitSummary, Spinup};
 use crate::shaft::assembly::Assembly;
 use crate::shaft::drive::Drive;
 use crate::shaft::loads::Which;
@@ -23,7 +23,7 @@ use crate::shaft::motion::Dynamics;
 use std::f64::consts::PI;
 
 /// Times over one turn of a periodic motion.
-const TURN: usize = 360;
+const ANGLES_OF_A_TURN: usize = 360;
 /// Branches and basis of the linear equations that tell whether a steady state is stable.
 const STABILITY_MODES: usize = 12;
 const STABILITY_BASIS: usize = 60;
@@ -41,7 +41,7 @@ pub(super) fn steady(
     let results = if speed == 0.0 || orbit::is_constant_in_turning_frame(model) {
         let which = if speed == 0.0 { Which::All } else { Which::ConstantInTurningFrame };
         let balance = Balance::new(assembly, which, speed)?;
-        let state = balance.solve(NEWTON, None)?;
+        let state = balance.solve(EQUILIBRIUM_NEWTON, None)?;
         if state.load_factor < 1.0 {
             return Err(no_steady_state(speed, &state));
         }
@@ -67,7 +67,7 @@ pub(super) fn steady(
     } else {
         // what is constant in the turning frame is a good start, where bearings let it stand
         let balance = Balance::new(assembly, Which::ConstantInTurningFrame, speed)?;
-        let start = balance.solve(NEWTON, None).ok().filter(|state| state.load_factor == 1.0);
+        let start = balance.solve(EQUILIBRIUM_NEWTON, None).ok().filter(|state| state.load_factor == 1.0);
         let orbit = orbit::periodic(assembly, speed, start.map(|state| state.z))?;
         let (harmonics, truncation) = (orbit.harmonics, orbit.truncation);
         summary.modelled.push(Modelled::PeriodicMotion { harmonics, truncation });
@@ -98,16 +98,16 @@ pub(super) fn one_turn(
         a.iter_mut().for_each(|a| *a *= speed * speed);
         Moment { t, z, v, a }
     };
-    let turn = SpinupSettings { until: period, output: TURN + 1, ..settings.clone() };
+    let turn = SpinupSettings { until: period, output: ANGLES_OF_A_TURN + 1, ..settings.clone() };
     let begin = moment(0.0);
     let mut recorder = RunRecorder::new(assembly, &turn, &mut dynamics, &begin)?;
     let (mut flows, mut before) = (Flows::default(), Flows::of(&dynamics, 0.0));
     let mut end = begin;
-    for k in 1..=TURN {
-        end = moment(period * k as f64 / TURN as f64);
+    for k in 1..=ANGLES_OF_A_TURN {
+        end = moment(period * k as f64 / ANGLES_OF_A_TURN as f64);
         dynamics.evaluate(end.t, &end.z, &end.v, &end.a);
         let power = Flows::of(&dynamics, end.t);
-        let half = period / TURN as f64 / 2.0;
+        let half = period / ANGLES_OF_A_TURN as f64 / 2.0;
         flows = flows.plus(half, before).plus(half, power);
         before = power;
         let torque = dynamics.powers.torque.abs();
@@ -127,12 +127,6 @@ pub(super) fn one_turn(
         iterations: orbit.iterations,
     };
     Ok(Spinup { integrator: None, orbit: Some(orbit), ..results })
-}
-
-/// What passes through the sections at a moment.
-pub(super) fn sections_at(dynamics: &mut Dynamics<'_>, moment: &Moment) -> SectionForces {
-    dynamics.evaluate(moment.t, &moment.z, &moment.v, &moment.a);
-    ForceReader::new(dynamics.assembly).sections(&dynamics.acting())
 }
 
 /// Tells a motion that grows about the steady state, where something may feed one: by its root.

@@ -32,7 +32,7 @@ use std::f64::consts::PI;
 use tangent::{RingTables, RingTangent};
 
 /// Share of the moments that the points across the wall may leave out.
-const ROUNDING: f64 = 1e-17;
+const LEFT_OUT_MOMENT_SHARE: f64 = 1e-17;
 
 /// A coefficient of F that a vector enters, with its factor.
 #[derive(Debug, Clone, Copy)]
@@ -153,7 +153,7 @@ impl RingElement {
             products[p + 1] = products[p] + directions[a].count + directions[b].count - 1;
         }
         let weight = ring.outer[0] * ring.outer[1] * 2.0 * PI / around as f64;
-        let points = quadrature.section.unwrap_or(ring.points(4 * degree + 2, ROUNDING));
+        let points = quadrature.section.unwrap_or(ring.points(4 * degree + 2, LEFT_OUT_MOMENT_SHARE));
         let rule = ring.across(points);
         let moments = [0, 1, 2, 3, 4].map(|n| {
             let moment = |g: usize| -> f64 {

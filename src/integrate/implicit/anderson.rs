@@ -12,16 +12,16 @@ pub(super) struct Secants {
     /// Place of the next pair.
     next: usize,
     /// Scalar products of the `delta d` of the kept pairs.
-    gram: [[f64; PAIRS]; PAIRS],
+    gram: [[f64; KEPT_PAIRS]; KEPT_PAIRS],
     step: Vec<f64>,
     correction: Vec<f64>,
 }
 
 /// Pairs that are kept.
-const PAIRS: usize = 6;
+const KEPT_PAIRS: usize = 6;
 
 /// Regularisation of nearly dependent pairs.
-const DEPENDENT: f64 = 1e-10;
+const GRAM_REGULARISATION: f64 = 1e-10;
 
 impl Secants {
     pub(super) fn clear(&mut self) {
@@ -39,7 +39,9 @@ impl Secants {
         self.correction.extend_from_slice(d);
         let m = self.pairs.len();
         if m > 0 {
-            let gram = DMatrix::from_fn(m, m, |i, j| self.gram[i][j] + if i == j { DEPENDENT } else { 0.0 });
+            let gram = DMatrix::from_fn(m, m, |i, j| {
+                self.gram[i][j] + if i == j { GRAM_REGULARISATION } else { 0.0 }
+            });
             let right = DVector::from_fn(m, |i, _| dot_in_lanes(&self.pairs[i].1, d));
             if let Some(cholesky) = gram.cholesky() {
                 let weights = cholesky.solve(&right);
@@ -53,7 +55,7 @@ impl Secants {
     }
 
     pub(super) fn learn(&mut self, d: &[f64]) {
-        if self.pairs.len() < PAIRS {
+        if self.pairs.len() < KEPT_PAIRS {
             self.pairs.push((vec![0.0; d.len()], vec![0.0; d.len()]));
             self.next = self.pairs.len() - 1;
         }
@@ -68,6 +70,6 @@ impl Secants {
             let product = dot_in_lanes(&self.pairs[at].1, &self.pairs[j].1);
             (self.gram[at][j], self.gram[j][at]) = (product, product);
         }
-        self.next = (at + 1) % PAIRS;
+        self.next = (at + 1) % KEPT_PAIRS;
     }
 }

@@ -46,7 +46,7 @@ const EMBEDDED: [f64; STAGES] = [
 ];
 
 /// Factor by which the bound on the step grows with every step after a failure set it.
-const RELAX: f64 = 1.01;
+const STEP_BOUND_GROWTH: f64 = 1.01;
 /// Which of the implicit methods integrates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scheme {
@@ -58,6 +58,15 @@ pub enum Scheme {
         /// 1 for no numerical damping, 0 for the most.
         rho_infinity: f64,
     },
+}
+
+/// The next step over one of that error, which is within the tolerance; `laborious`: it took many iterations.
+fn next_over_last(error: f64, exponent: f64, laborious: bool) -> f64 {
+    let factor = (0.9 * error.max(1e-10).powf(-exponent)).clamp(0.2, 3.0);
+    // shorter steps are cheaper than many iterations, or than tangents
+    let factor = factor.min(if laborious { 0.8 } else { 3.0 });
+    // a step that is nearly right keeps its matrix
+    if (0.9..1.3).contains(&factor) { 1.0 } else { factor }
 }
 
 /// Integrates from `start` to the last stop.
@@ -114,12 +123,8 @@ pub fn integrate(
                 let laborious = run.newton.laborious();
                 run.newton.accepted();
                 if settings.step.is_none() {
-                    let factor = (0.9 * error.max(1e-10).powf(-run.exponent)).clamp(0.2, 3.0);
-                    // shorter steps are cheaper than many iterations, or than tangents
-                    let factor = factor.min(if laborious { 0.8 } else { 3.0 });
-                    // a step that is nearly right keeps its matrix
-                    let factor = if (0.9..1.3).contains(&factor) { 1.0 } else { factor };
-                    longest *= RELAX;
+                    let factor = next_over_last(error, run.exponent, laborious);
+                    longest *= STEP_BOUND_GROWTH;
                     h = (if taken < h && factor >= 1.0 { h } else { taken * factor }).min(longest);
                 }
                 course.count(taken, run.now.t, progress.steps)?;

@@ -5,27 +5,27 @@ use crate::integrate::implicit::anderson::Secants;
 use crate::shaft::motion::{Dynamics, NewtonMatrix};
 
 /// Share of the step's tolerance left to the Newton iteration.
-const NEWTON: f64 = 0.03;
+const NEWTON_TOLERANCE_SHARE: f64 = 0.03;
 
 /// Least ratio of two corrections that is remembered: no iteration is trusted to converge faster.
-const FASTEST: f64 = 0.02;
+const FASTEST_RATE: f64 = 0.02;
 /// Most iterations of a stage.
-const ITERATIONS: usize = 15;
+const MOST_ITERATIONS: usize = 15;
 /// Size of a correction over the length of the shaft below which it is rounding and the iteration has
 /// converged.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING_PER_LENGTH: f64 = 1e-12;
 /// Convergence rate from which a fresh matrix is worth its price.
-const SLOW: f64 = 0.25;
+const SLOW_RATE: f64 = 0.25;
 /// Iterations of a stage that make a shorter step cheaper.
-const LABORIOUS: usize = 4;
+const LABORIOUS_ITERATIONS: usize = 4;
 /// Steps cut in halves before the tangent of the present state is tried.
-const PATIENCE: usize = 4;
+const HALVINGS_BEFORE_TANGENT: usize = 4;
 /// Steps that a tangent serves before the undeformed shaft's matrix is tried again.
-const SERVED: usize = 20;
+const STEPS_OF_A_TANGENT: usize = 20;
 /// Largest relative change of its coefficients, by step or speed, with which a factorised matrix may still serve.
-const STALE: f64 = 0.1;
+const SERVING_MATRIX_RTOL: f64 = 0.1;
 /// Relative change of the coefficients below which a new matrix would be as good as the same.
-const RIGHT: f64 = 0.01;
+const SAME_MATRIX_RTOL: f64 = 0.01;
 
 /// The equations of a stage: `z + c_k x`, `v + c_v x`, `a + c_a x` at time t balance the forces.
 pub(super) struct Stage<'a> {
@@ -78,7 +78,7 @@ impl Newton {
         self.effort = (0, 0);
         if self.present {
             self.served += 1;
-            if self.served >= SERVED {
+            if self.served >= STEPS_OF_A_TANGENT {
                 (self.present, self.matrix, self.served) = (false, None, 0);
             }
         }
@@ -87,12 +87,12 @@ impl Newton {
     /// After a step whose iteration failed: shorter steps first, then the tangent of the present state.
     pub(super) fn rejected(&mut self, failures: usize, fixed: bool) {
         self.effort = (0, 0);
-        self.present |= fixed || failures >= PATIENCE;
+        self.present |= fixed || failures >= HALVINGS_BEFORE_TANGENT;
     }
 
     /// True when the stages of this step took many iterations.
     pub(super) fn laborious(&self) -> bool {
-        self.effort.1 > LABORIOUS * self.effort.0
+        self.effort.1 > LABORIOUS_ITERATIONS * self.effort.0
     }
 
     /// Solves a stage from the guess in x; false when no matrix makes the iteration converge.
@@ -115,13 +115,13 @@ impl Newton {
             });
             // slow convergence with the right coefficients is for the secants, unless the tangent itself has aged
             let limit = if !self.slow || fresh {
-                STALE
+                SERVING_MATRIX_RTOL
             } else if self.present {
                 0.0
             } else {
-                RIGHT
+                SAME_MATRIX_RTOL
             };
-            if stale >= limit && !(fresh && stale <= RIGHT) {
+            if stale >= limit && !(fresh && stale <= SAME_MATRIX_RTOL) {
                 self.update(stage, x);
                 let state = self.present.then_some(&self.z[..]);
                 self.matrix = Some(dynamics.newton_matrix(stage.t, stage.coefficients, state)?);
@@ -141,7 +141,7 @@ impl Newton {
                     return Ok(true);
                 }
             }
-            if fresh || (stale <= RIGHT && !self.present) {
+            if fresh || (stale <= SAME_MATRIX_RTOL && !self.present) {
                 self.matrix = None;
                 return Ok(false);
             }
@@ -169,7 +169,7 @@ impl Newton {
     ) -> bool {
         let (mut before, mut stalls) = (f64::INFINITY, 0);
         self.effort.0 += 1;
-        for iteration in 0..ITERATIONS {
+        for iteration in 0..MOST_ITERATIONS {
             self.effort.1 += 1;
             self.update(stage, x);
             dynamics.evaluate(stage.t, &self.z, &self.v, &self.a);
@@ -201,16 +201,16 @@ impl Newton {
             }
             x.iter_mut().zip(&self.change).for_each(|(x, d)| *x += d);
             if iteration > 0 {
-                self.rate = (size / before).max(0.3 * self.rate).max(FASTEST);
-                self.slow = size / before > SLOW;
+                self.rate = (size / before).max(0.3 * self.rate).max(FASTEST_RATE);
+                self.slow = size / before > SLOW_RATE;
                 stalls = if size / before > 0.9 { stalls + 1 } else { 0 };
                 // corrections that no longer shrink are rounding, or no solution
                 if stalls > 1 || (size > 2.0 * before && !full) {
-                    return size * tolerance < ROUNDING * dynamics.assembly.model.length;
+                    return size * tolerance < ROUNDING_PER_LENGTH * dynamics.assembly.model.length;
                 }
             }
             let rate = self.rate.min(0.9);
-            if size * rate / (1.0 - rate) < NEWTON {
+            if size * rate / (1.0 - rate) < NEWTON_TOLERANCE_SHARE {
                 return true;
             }
             before = size;

@@ -40,7 +40,7 @@ pub fn tradeoff(results: &Tradeoff) -> String {
         let steps = results.points.iter().any(|p| p.steps.is_some());
         let keep = |mut row: Vec<String>| {
             if !steps {
-                row.remove(STEPS);
+                row.remove(STEPS_COLUMN);
             }
             row
         };
@@ -86,7 +86,7 @@ pub fn tradeoff(results: &Tradeoff) -> String {
 }
 
 /// Column of the steps in [`tradeoff_row`].
-const STEPS: usize = 5;
+const STEPS_COLUMN: usize = 5;
 
 fn tradeoff_row(point: &TradeoffPoint, chosen: bool, reference: bool) -> Vec<String> {
     let number = |n: Option<u64>| n.map_or("-".to_owned(), |n| n.to_string());

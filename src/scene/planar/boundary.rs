@@ -13,9 +13,9 @@ use nalgebra::Vector3;
 /// Newton steps and bisections of a root.
 const ROOT_STEPS: usize = 80;
 /// Distance of a point from the normal at an end of a curve, relative to its gap, within which that end is its foot.
-const FOOT: f64 = 1e-9;
+const FOOT_RTOL: f64 = 1e-9;
 /// Relative rounding of a distance, generously.
-const ROUNDED: f64 = 1e-9;
+const DISTANCE_ROUNDING: f64 = 1e-9;
 /// Cosine between the normals of two curves that face each other, at most.
 pub const FACING: f64 = -0.2;
 /// The same, relative to the curve.
@@ -229,7 +229,7 @@ impl Contours {
     /// Whether all of a curve is farther than `distance` from a point.
     fn farther(&self, face: usize, x: &Vector3<f64>, distance: f64) -> bool {
         let Contour { points, radius } = &self.curves[face];
-        let far = (radius + distance) * (1.0 + ROUNDED);
+        let far = (radius + distance) * (1.0 + DISTANCE_ROUNDING);
         (x - points[1]).norm_squared() > far * far
     }
 }
@@ -269,7 +269,7 @@ pub fn gap(
             at_corner: false,
         };
         let aside = (from - own * hit.gap).norm();
-        if zeta.abs() == 1.0 && aside > ON_KINK * face.length + FOOT * distance {
+        if zeta.abs() == 1.0 && aside > ON_KINK * face.length + FOOT_RTOL * distance {
             let neighbour = if zeta > 0.0 { face.next } else { face.previous };
             // a seam between curves that count and curves that do not is no place of the boundary
             if reach.depth.is_finite() && !near.contains(&neighbour) {

@@ -1,7 +1,7 @@
 //! Elimination of what supports and rigid hubs hold: coordinates as combinations of free ones.
 
 use crate::model::{Model, Node};
-use crate::shaft::assembly::ROUNDING;
+use crate::shaft::assembly::ZERO_ROW_RTOL;
 use crate::shaft::attachments::{self, Numbering};
 
 pub(super) type Elimination = (Vec<Vec<(usize, f64)>>, Vec<usize>, Vec<(usize, Vec<f64>)>);
@@ -73,13 +73,13 @@ pub(super) fn reduce(mut rows: Vec<Vec<f64>>) -> Vec<(usize, Vec<f64>)> {
         for (r, row) in rows.iter().enumerate() {
             for (c, v) in row.iter().enumerate() {
                 // among equals the first, whatever rounding says
-                if v.abs() > best.2 * (1.0 + ROUNDING) {
+                if v.abs() > best.2 * (1.0 + ZERO_ROW_RTOL) {
                     best = (r, c, v.abs());
                 }
             }
         }
         let (r, pivot, size) = best;
-        if size < ROUNDING {
+        if size < ZERO_ROW_RTOL {
             break;
         }
         let mut row = rows.swap_remove(r);

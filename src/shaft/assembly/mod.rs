@@ -15,11 +15,11 @@ use crate::linalg::sparse::{Sparse, from_columns};
 use crate::model::{Element, Gyroscopic, Material, Model};
 use crate::section::basis::SectionBasis;
 use crate::shaft::attachments::{self, Contribution, Numbering};
-use elimination::{eliminate, reduce};
+use elimination::eliminate;
 use faer::Mat;
 
 /// Relative size below which a constraint or a motion counts as zero.
-const ROUNDING: f64 = 1e-9;
+const ZERO_ROW_RTOL: f64 = 1e-9;
 
 /// The matrix of one element that a system matrix sums.
 type ElementMatrix<'a> = &'a dyn Fn(&Material, &ElementMatrices) -> Mat<f64>;
@@ -523,40 +523,6 @@ impl<'a> Assembly<'a> {
             column_starts.push(rows.len());
         }
         from_columns(n, column_starts, rows, kept)
-    }
-
-    /// For every free coordinate whether it changes its sign when the shaft is mirrored, y -> -y and z -> -z.
-    pub fn mirror_signs(&self) -> Vec<[bool; 2]> {
-        let mut signs = Vec::with_capacity(self.numbering.len());
-        for (i, node) in self.model.nodes.iter().enumerate() {
-            // a normal is a vector as r is
-            let normals = self.numbering.normals(i).len() / 3;
-            for [y, z] in node.odd().into_iter().chain((0..normals).map(|_| [false; 2])) {
-                signs.extend([[y, z], [!y, z], [y, !z]]);
-            }
-        }
-        self.free.iter().map(|&i| signs[i]).collect()
-    }
-
-    /// True when a node's constraints carry the centrifugal stretch of the section but do not turn with it, as
-    /// `y.y` held without `y.z` does.
-    pub fn holds_stretch_one_way(&self) -> bool {
-        let turned =
-            |row: &[f64]| -> Vec<f64> { row.chunks_exact(3).flat_map(|c| [0.0, c[2], -c[1]]).collect() };
-        (0..self.model.nodes.len()).any(|node| {
-            let odd = self.model.nodes[node].odd();
-            let stretches = |row: &[f64]| {
-                let mut vectors = odd.iter().zip(row.chunks_exact(3));
-                vectors.any(|(odd, c)| {
-                    (c[1] != 0.0 && *odd == [true, false]) || (c[2] != 0.0 && *odd == [false, true])
-                })
-            };
-            let rows: Vec<Vec<f64>> =
-                self.constraints.iter().filter(|(n, _)| *n == node).map(|(_, row)| row.clone()).collect();
-            let mut more = rows.clone();
-            more.extend(rows.iter().filter(|row| stretches(row)).map(|row| turned(row)));
-            more.len() > rows.len() && reduce(more).len() > reduce(rows).len()
-        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Motions without deformation that nothing resists, with their names.
 
 use crate::shaft::assembly::elimination::reduce;
-use crate::shaft::assembly::{Assembly, ROUNDING};
+use crate::shaft::assembly::{Assembly, ZERO_ROW_RTOL};
 use crate::shaft::attachments::{self};
 use faer::Mat;
 use nalgebra::DMatrix;
@@ -12,7 +12,7 @@ pub(super) fn null_space(rows: &[[f64; 6]]) -> Vec<[f64; 6]> {
         .iter()
         .filter_map(|row| {
             let norm = row.iter().map(|v| v * v).sum::<f64>().sqrt();
-            (norm > ROUNDING * ROUNDING).then(|| row.map(|v| v / norm))
+            (norm > ZERO_ROW_RTOL * ZERO_ROW_RTOL).then(|| row.map(|v| v / norm))
         })
         .flatten()
         .collect();
@@ -44,7 +44,7 @@ pub(super) fn motion_name(motion: &[f64; 6]) -> String {
         "rotation about z",
     ];
     let parts: Vec<&str> =
-        NAMES.iter().zip(motion).filter(|(_, c)| c.abs() > ROUNDING).map(|(name, _)| *name).collect();
+        NAMES.iter().zip(motion).filter(|(_, c)| c.abs() > ZERO_ROW_RTOL).map(|(name, _)| *name).collect();
     parts.join(" with ")
 }
 
@@ -151,5 +151,39 @@ impl Assembly<'_> {
         let felt = |row: &[(usize, f64)], m: usize| row.iter().map(|&(i, w)| w * motions[m][i]).sum::<f64>();
         rows.extend(held.iter().map(|row| std::array::from_fn(|m| felt(row, m))));
         null_space(&rows)
+    }
+
+    /// For every free coordinate whether it changes its sign when the shaft is mirrored, y -> -y and z -> -z.
+    pub fn mirror_signs(&self) -> Vec<[bool; 2]> {
+        let mut signs = Vec::with_capacity(self.numbering.len());
+        for (i, node) in self.model.nodes.iter().enumerate() {
+            // a normal is a vector as r is
+            let normals = self.numbering.normals(i).len() / 3;
+            for [y, z] in node.odd().into_iter().chain((0..normals).map(|_| [false; 2])) {
+                signs.extend([[y, z], [!y, z], [y, !z]]);
+            }
+        }
+        self.free.iter().map(|&i| signs[i]).collect()
+    }
+
+    /// True when a node's constraints carry the centrifugal stretch of the section but do not turn with it, as
+    /// `y.y` held without `y.z` does.
+    pub fn holds_stretch_one_way(&self) -> bool {
+        let turned =
+            |row: &[f64]| -> Vec<f64> { row.chunks_exact(3).flat_map(|c| [0.0, c[2], -c[1]]).collect() };
+        (0..self.model.nodes.len()).any(|node| {
+            let odd = self.model.nodes[node].odd();
+            let stretches = |row: &[f64]| {
+                let mut vectors = odd.iter().zip(row.chunks_exact(3));
+                vectors.any(|(odd, c)| {
+                    (c[1] != 0.0 && *odd == [true, false]) || (c[2] != 0.0 && *odd == [false, true])
+                })
+            };
+            let rows: Vec<Vec<f64>> =
+                self.constraints.iter().filter(|(n, _)| *n == node).map(|(_, row)| row.clone()).collect();
+            let mut more = rows.clone();
+            more.extend(rows.iter().filter(|row| stretches(row)).map(|row| turned(row)));
+            more.len() > rows.len() && reduce(more).len() > reduce(rows).len()
+        })
     }
 }

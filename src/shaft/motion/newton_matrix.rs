@@ -12,7 +12,7 @@ use faer::{Mat, Scale};
 use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
 
 /// Angle (rad) by which a contact may move on its section before the Newton matrix is made anew.
-const TURNED: f64 = 0.1;
+const TURNED_DIRECTION: f64 = 0.1;
 
 /// A factorised Newton matrix `c_a M + c_v C + c_k K`.
 pub struct NewtonMatrix {
@@ -111,7 +111,7 @@ impl Dynamics<'_> {
             return false;
         }
         let (now, then) = (self.contact_directions(matrix.follows), &matrix.contacts);
-        let apart = |k: usize| now[k].0 != then[k].0 || (now[k].1 - then[k].1).norm() > TURNED;
+        let apart = |k: usize| now[k].0 != then[k].0 || (now[k].1 - then[k].1).norm() > TURNED_DIRECTION;
         now.len() != then.len() || (0..now.len()).any(apart)
     }
 

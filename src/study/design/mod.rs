@@ -16,10 +16,10 @@ use std::cmp::Ordering;
 pub type PointSettings = Map<String, Value>;
 
 /// A finer point's error counts as larger from this factor on.
-const CLEARLY: f64 = 1.01;
+const CLEARLY_WORSE_FACTOR: f64 = 1.01;
 
 /// Share of a target that the reference's own error may be.
-const SHARE: f64 = 1.0 / 3.0;
+const REFERENCE_ERROR_SHARE: f64 = 1.0 / 3.0;
 
 /// Warnings of a run that do not speak of how accurate its numbers are.
 const NOT_OF_ACCURACY: [&str; 8] = [
@@ -346,7 +346,7 @@ pub fn tradeoff(subject: &Subject, measured: &[Measured]) -> (Tradeoff, Vec<Diag
     }
     for index in 0..points.len() {
         let worse = |&i: &usize| match (points[i].error, points[index].error) {
-            (Some(finer), Some(own)) => finer > CLEARLY * own,
+            (Some(finer), Some(own)) => finer > CLEARLY_WORSE_FACTOR * own,
             _ => false,
         };
         points[index].finer_is_worse = finer_points(&points, index).iter().any(worse);
@@ -355,7 +355,9 @@ pub fn tradeoff(subject: &Subject, measured: &[Measured]) -> (Tradeoff, Vec<Diag
     front.iter().for_each(|&i| points[i].pareto = true);
     let transient = measured.iter().any(|m| m.outcome.as_ref().is_ok_and(|found| found.steps.is_some()));
     let refinable = Axis::all_of(subject.analysis, transient);
-    let fit = |target: f64| reference.error.is_none_or(|error| error <= SHARE * target * (1.0 + 1e-9));
+    let fit = |target: f64| {
+        reference.error.is_none_or(|error| error <= REFERENCE_ERROR_SHARE * target * (1.0 + 1e-9))
+    };
     let choice = subject.target.filter(|t| fit(*t)).and_then(|target| choose(&points, target, &refinable));
     let results = Tradeoff {
         analysis: subject.analysis.name(),

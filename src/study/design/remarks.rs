@@ -1,12 +1,12 @@
 //! Remarks on the results of a study.
 
 use crate::results::{Diagnostic, Tradeoff, TradeoffChoice, TradeoffPoint, Trust};
-use crate::study::design::SHARE;
+use crate::study::design::REFERENCE_ERROR_SHARE;
 use crate::study::design::choice::{by_cost, finer_points};
 use std::cmp::Ordering;
 
 /// Error that an automatic choice aims at.
-const AUTOMATIC: f64 = 1e-3;
+const AUTOMATIC_ERROR_FLOOR: f64 = 1e-3;
 
 /// What a reader must know about the study.
 pub(super) fn remarks(results: &Tradeoff) -> Vec<Diagnostic> {
@@ -37,7 +37,7 @@ pub(super) fn remarks(results: &Tradeoff) -> Vec<Diagnostic> {
     // a coarse mesh adds an error of its own; the finest of the grid does not
     let missed = (0..points.len()).filter(|&i| finer_points(points, i).is_empty()).filter_map(|i| {
         let (error, estimate) = (points[i].error?, points[i].estimated_error?);
-        (error > estimate.max(AUTOMATIC))
+        (error > estimate.max(AUTOMATIC_ERROR_FLOOR))
             .then(|| format!("{}: {error:.1e}, estimated {estimate:.0e}", points[i].name))
     });
     let missed: Vec<String> = missed.collect();
@@ -67,14 +67,14 @@ pub(super) fn remarks(results: &Tradeoff) -> Vec<Diagnostic> {
         list.push(Diagnostic::error("nothing-to-compare", why));
     }
     let Some(target) = results.target_error.filter(|_| compared) else { return list };
-    match (&results.choice, results.reference.error.filter(|error| *error > SHARE * target * (1.0 + 1e-9))) {
+    match (&results.choice, results.reference.error.filter(|error| *error > REFERENCE_ERROR_SHARE * target * (1.0 + 1e-9))) {
         (Some(choice), _) => list.extend(about_choice(results, choice, target)),
         (None, Some(error)) => list.push(Diagnostic::error(
             "reference-too-coarse",
             format!(
                 "the finest point is itself {error:.1e} off, judged by the next coarser ones: it can't tell errors of {target:e}. \
                  Refine the grid beyond it, or ask for {:.0e} or more",
-                error / SHARE
+                error / REFERENCE_ERROR_SHARE
             ),
         )),
         (None, None) => list.push(out_of_reach(points, target)),

@@ -16,25 +16,25 @@ use crate::scene::planar::probes::PlanarSearch;
 use std::time::Instant;
 
 /// Newton iterations of a step.
-const ITERATIONS: usize = 25;
+const MOST_ITERATIONS: usize = 25;
 /// Correction of a converged step, over the height.
-const CONVERGED: f64 = 1e-11;
+const CONVERGED_PER_HEIGHT: f64 = 1e-11;
 /// What is left of a correction from one iteration to the next, beyond which the matrix of an earlier state has served.
-const SERVES: f64 = 0.05;
+const SERVING_RATE: f64 = 0.05;
 /// Springs that close or open in place of one, at most, for a matrix to serve on: one of so many.
-const SAME: usize = 16;
+const SPRINGS_PER_CHANGED_ONE: usize = 16;
 /// Error over the height that converging corrections may leave.
-const LEFT: f64 = 1e-13;
+const LEFT_PER_HEIGHT: f64 = 1e-13;
 /// Times that a step is halved.
-const HALVINGS: usize = 10;
+const MOST_HALVINGS: usize = 10;
 /// Penetration in heights that a step may not reach.
-const DEEPEST: f64 = 0.25;
+const DEEPEST_HEIGHTS: f64 = 0.25;
 /// Parts that a step may be cut into beforehand.
 const MOST_PARTS: usize = 10_000;
 /// Remedy of a step whose equations are not solved.
-const STIFF: &str = "take a smaller contact.step, a smaller contact.penalty or more elements";
+const REMEDY_OF_STIFFNESS: &str = "take a smaller contact.step, a smaller contact.penalty or more elements";
 /// Share of the stability limit `2/w` of the semi-implicit step that is advised: elements stiffen while they are pressed.
-const STABLE: f64 = 0.8;
+const ADVISED_STABLE_SHARE: f64 = 0.8;
 /// A scene in motion.
 pub struct Motion<'a> {
     /// The bodies.
@@ -83,7 +83,7 @@ impl Factored {
         let others =
             |a: &Self, b: &Self| a.closed.iter().filter(|c| b.closed.binary_search(c).is_err()).count();
         let fewer = self.closed.len().min(here.closed.len());
-        self.dt == here.dt && SAME * (others(self, here) + others(here, self)) <= fewer
+        self.dt == here.dt && SPRINGS_PER_CHANGED_ONE * (others(self, here) + others(here, self)) <= fewer
     }
 }
 
@@ -163,7 +163,7 @@ impl<'a> Motion<'a> {
         self.try_advance(dt, recorder).map_err(|error| {
             let fastest = self.bodies.fastest_vibration();
             let explicit = self.bodies.scene.contact.stepping == Stepping::SemiImplicit;
-            let stable = digits_below(STABLE * 2.0 / fastest);
+            let stable = digits_below(ADVISED_STABLE_SHARE * 2.0 / fastest);
             // in the first step nothing has grown yet
             let grows = explicit && stable < dt && self.stats.steps > 0;
             match error {
@@ -198,7 +198,7 @@ impl<'a> Motion<'a> {
         self.stats.cut += usize::from(parts > 1);
         let end = self.t + dt;
         let mut part = dt / parts as f64;
-        let smallest = part / 2.0_f64.powi(HALVINGS as i32);
+        let smallest = part / 2.0_f64.powi(MOST_HALVINGS as i32);
         while self.t < end - 1e-9 * dt {
             let now = part.min(end - self.t);
             if parts > 1 {
@@ -225,7 +225,7 @@ impl<'a> Motion<'a> {
                     if part < smallest {
                         return Err(Error::analysis(
                             format!("no step succeeds at {:.9} s", self.t),
-                            format!("a step of {now:.3e} s, after {HALVINGS} halvings: {why}"),
+                            format!("a step of {now:.3e} s, after {MOST_HALVINGS} halvings: {why}"),
                             remedy,
                         ));
                     }
@@ -291,7 +291,7 @@ impl<'a> Motion<'a> {
         let mut delta = vec![0.0; bodies.free().len()];
         let mut last = f64::INFINITY;
         let mut serves = true;
-        for iteration in 1..=ITERATIONS {
+        for iteration in 1..=MOST_ITERATIONS {
             let q1: Vec<f64> = q0.iter().zip(&moved).map(|(q, d)| q + d).collect();
             let middle: Vec<f64> = q0.iter().zip(&q1).map(|(a, b)| (a + b) / 2.0).collect();
             let start = Instant::now();
@@ -337,7 +337,7 @@ impl<'a> Motion<'a> {
             if fresh || solved.is_err() {
                 self.factored = solved.is_ok().then_some(here);
             }
-            solved.map_err(|e| StepFailure::Smaller(e.to_string(), STIFF))?;
+            solved.map_err(|e| StepFailure::Smaller(e.to_string(), REMEDY_OF_STIFFNESS))?;
             let size = delta.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
             for (d, &k) in delta.iter().zip(bodies.free()) {
                 moved[k] += d;
@@ -348,13 +348,13 @@ impl<'a> Motion<'a> {
                 break;
             }
             let rate = size / last;
-            let converged = fresh && size <= CONVERGED * self.height
-                || last.is_finite() && rate <= SERVES && size * rate <= LEFT * self.height;
+            let converged = fresh && size <= CONVERGED_PER_HEIGHT * self.height
+                || last.is_finite() && rate <= SERVING_RATE && size * rate <= LEFT_PER_HEIGHT * self.height;
             // a correction that stays at the rounding error of the system is the end as well
             if converged || (fresh && iteration > 6 && size < 1e-9 * self.height && rate >= 0.5) {
                 return self.finish(dt, &q0, &moved, &v0, before);
             }
-            serves &= fresh || !last.is_finite() || rate <= SERVES;
+            serves &= fresh || !last.is_finite() || rate <= SERVING_RATE;
             last = size;
         }
         self.factored = None;
@@ -363,7 +363,7 @@ impl<'a> Motion<'a> {
                 true => format!("Newton's method did not converge (last correction {last:.1e} m)"),
                 false => "Newton's method is lost: its first correction leaves all bounds".to_owned(),
             },
-            STIFF,
+            REMEDY_OF_STIFFNESS,
         ))
     }
 
@@ -386,7 +386,7 @@ impl<'a> Motion<'a> {
         let mut load = vec![0.0; n];
         let strokes = self.strokes(before, &q1, &middle);
         let deepest = strokes.iter().map(|s| s.after).fold(0.0, f64::min);
-        if deepest < -DEEPEST * self.height {
+        if deepest < -DEEPEST_HEIGHTS * self.height {
             return Err(sunk(-deepest));
         }
         let contact = strokes.iter().map(SpringStroke::energy).sum();

@@ -1,6 +1,6 @@
 //! The semi-implicit Euler step with penalty springs, or with complementarity of gap velocity and impulse.
 
-use crate::analysis::contact::motion::{DEEPEST, Motion, StepFailure, Stepped, sunk};
+use crate::analysis::contact::motion::{DEEPEST_HEIGHTS, Motion, StepFailure, Stepped, sunk};
 use crate::analysis::contact::recorder::ContactTouch;
 use crate::error::{Error, Result};
 use crate::linalg::lcp::lemke;
@@ -13,13 +13,13 @@ use faer::Mat;
 use std::time::Instant;
 
 /// Gap in heights up to which a contact takes part in the complementarity problem at least.
-const CLOSE: f64 = 1e-3;
+const CLOSE_HEIGHTS: f64 = 1e-3;
 /// Pivots of a complementarity problem per contact.
-const PIVOTS: usize = 50;
+const PIVOTS_PER_CONTACT: usize = 50;
 /// Position projections of a step.
-const PROJECTIONS: usize = 5;
+const MOST_PROJECTIONS: usize = 5;
 /// Penetration in heights that position projection leaves.
-const PROJECTED: f64 = 1e-9;
+const PROJECTED_HEIGHTS: f64 = 1e-9;
 
 /// A contact of a complementarity problem.
 pub(super) struct GapConstraint {
@@ -120,7 +120,7 @@ impl Motion<'_> {
             let springs = self.springs(&q1);
             contact = springs.iter().map(ContactSpring::energy).sum();
             let deepest = springs.iter().map(ContactSpring::penetration).fold(0.0, f64::max);
-            if deepest > DEEPEST * self.height {
+            if deepest > DEEPEST_HEIGHTS * self.height {
                 return Err(sunk(deepest));
             }
         }
@@ -152,7 +152,7 @@ impl Motion<'_> {
             let Some(hit) = hit.filter(|h| !h.at_corner) else { continue };
             let spring = self.search.spring(probe, &hit);
             let gradient = spring.gap.gradient(self.bodies.components());
-            if later(hit.gap, &gradient) < CLOSE * self.height {
+            if later(hit.gap, &gradient) < CLOSE_HEIGHTS * self.height {
                 list.push(GapConstraint {
                     bodies: spring.bodies,
                     positions: spring.positions,
@@ -188,7 +188,7 @@ impl Motion<'_> {
         let x = if self.bodies.scene.contact.method == Enforcement::LcpSingle {
             vec![(-p[0] / n[(0, 0)]).max(0.0)]
         } else {
-            lemke(n.as_ref(), p, PIVOTS * count).map_err(|failure| {
+            lemke(n.as_ref(), p, PIVOTS_PER_CONTACT * count).map_err(|failure| {
                 Error::analysis(
                     format!("the complementarity problem of the contacts has no solution at {:.9} s", self.t),
                     format!("Lemke's method on {count} contacts: {failure}"),
@@ -204,11 +204,11 @@ impl Motion<'_> {
 
     /// Moves the state out of penetration along `M^-1 D`.
     pub(super) fn project(&mut self, q: &mut [f64]) -> Result<()> {
-        for _ in 0..PROJECTIONS {
+        for _ in 0..MOST_PROJECTIONS {
             let hits = self.hits(q);
             let list = self.contacts(&hits, |gap, _| gap);
             let deepest = list.iter().map(|c| c.gap.value).fold(0.0, f64::min);
-            if deepest >= -PROJECTED * self.height {
+            if deepest >= -PROJECTED_HEIGHTS * self.height {
                 break;
             }
             let gaps: Vec<f64> = list.iter().map(|c| c.gap.value).collect();

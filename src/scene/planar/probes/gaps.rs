@@ -7,16 +7,16 @@ use crate::scene::near_pairs::{Aabb, bezier};
 use crate::scene::penalty::{ContactModel, ContactSpring};
 use crate::scene::planar::boundary::{Contours, FACING, Reach, differentiable, gap, normal, on_curve};
 use crate::scene::planar::probes::{
-    ContactProbe, Key, Kind, NEIGHBOURS, Onto, PlanarSearch, apart, at_nodes, slave_of,
+    ContactProbe, Key, Kind, NEIGHBOUR_HEIGHTS, Onto, PlanarSearch, apart, at_nodes, slave_of,
 };
 use nalgebra::Vector3;
 
 /// What the distance to a boundary is multiplied by on the way out past an end of the side that a point faces.
-const EXIT: f64 = 10.0;
+const EXIT_FACTOR: f64 = 10.0;
 /// Distance in heights from a corner within which another corner is said to meet it, not the face beside it.
-const AT_CORNER: f64 = 0.05;
+const AT_CORNER_HEIGHTS: f64 = 0.05;
 /// Penetration in heights beyond which a curve is not the one that a point of a line has passed through.
-const LAYER: f64 = 0.45;
+const LAYER_HEIGHTS: f64 = 0.45;
 
 /// Distance of a point from a box, zero inside.
 pub(super) fn distance_to(b: &Aabb, x: &Vector3<f64>) -> f64 {
@@ -41,7 +41,7 @@ impl PlanarSearch {
     }
 
     /// Gap to the side that a point faces, or to where it leaves the body past an end of that side: the lesser of the depth below
-    /// the side and [`EXIT`] times the distance to the whole boundary, which goes to zero on every way out.
+    /// the side and [`EXIT_FACTOR`] times the distance to the whole boundary, which goes to zero on every way out.
     pub(super) fn gap_to_side(
         &self,
         slave: (usize, f64),
@@ -54,7 +54,7 @@ impl PlanarSearch {
             return Some(nearest);
         }
         let side: Vec<usize> = near.iter().copied().filter(|&f| self.faces[f].place == place).collect();
-        let exit = Hit { gap: EXIT * nearest.gap, scale: EXIT, ..nearest };
+        let exit = Hit { gap: EXIT_FACTOR * nearest.gap, scale: EXIT_FACTOR, ..nearest };
         let below =
             self.gap_to_any(slave, &side, contours).filter(|hit| exit.gap <= hit.gap && hit.gap <= 0.0);
         Some(below.unwrap_or(exit))
@@ -67,7 +67,7 @@ impl PlanarSearch {
         let to_end = (1.0 - hit.zeta.abs()) / 2.0 * master.length;
         let model = match probe.kind {
             Kind::Line => ContactModel::LineToLine,
-            Kind::Corner if master.corner(neighbour) && to_end < AT_CORNER * self.height => {
+            Kind::Corner if master.corner(neighbour) && to_end < AT_CORNER_HEIGHTS * self.height => {
                 ContactModel::PointToPoint
             }
             Kind::Corner | Kind::Node => ContactModel::PointToSegment,
@@ -126,7 +126,7 @@ impl PlanarSearch {
             // a corner stands between two normals
             n += normal(contours.points(face.next), -1.0);
         }
-        let reach = Reach { normal: Some(n), depth: LAYER * bodies.scene.bodies[target].height };
+        let reach = Reach { normal: Some(n), depth: LAYER_HEIGHTS * bodies.scene.bodies[target].height };
         gap(&self.faces, near, contours, &on_curve(points, slave.1), reach)
     }
 
@@ -218,7 +218,7 @@ impl PlanarSearch {
                 for zeta in [-1.0, 0.0] {
                     let x = on_curve(contours.points(f), zeta);
                     let limit = smallest.unwrap_or(f64::INFINITY);
-                    let skip = NEIGHBOURS * bodies.scene.bodies[slave].height;
+                    let skip = NEIGHBOUR_HEIGHTS * bodies.scene.bodies[slave].height;
                     let list: Vec<usize> = of(master)
                         .filter(|&m| boxes[m].as_ref().is_some_and(|b| distance_to(b, &x) <= limit.abs()))
                         .filter(|&m| slave != master || apart(face, &self.faces[m]) >= skip)

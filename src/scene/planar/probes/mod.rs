@@ -20,17 +20,17 @@ use std::collections::BTreeMap;
 /// Number of Gauss points of an integration segment.
 const LINE_POINTS: usize = 4;
 /// Share of a margin that nodes may move before the pairs are looked for again: both curves of a pair may move by 5/4 of it.
-const SPENT: f64 = 0.4;
+const SPENT_MARGIN_SHARE: f64 = 0.4;
 /// Margin in heights with which something near is watched.
-const NEAR: f64 = 1.0;
+const NEAR_MARGIN_HEIGHTS: f64 = 1.0;
 /// Margin in heights, or in motions of a step, with which it is seen that nothing is near.
-const FAR: f64 = 4.0;
+const FAR_MARGIN_HEIGHTS: f64 = 4.0;
 /// Height that surfaces may move in a step while something is near.
-const STRIDE: f64 = 0.2;
+const STEP_HEIGHTS: f64 = 0.2;
 /// Height that surfaces may have moved after a step while something is near: twice that is below [`LAYER`].
-const SEEN: f64 = 0.22;
+const SEEN_HEIGHTS: f64 = 0.22;
 /// Self-contact: distance along the body, in heights, that neighbours have.
-const NEIGHBOURS: f64 = 3.0;
+const NEIGHBOUR_HEIGHTS: f64 = 3.0;
 /// What a probe stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
@@ -300,15 +300,15 @@ impl PlanarSearch {
     /// Returns into how many parts the step must be cut so that nothing passes through anything.
     pub fn prepare(&mut self, bodies: &Bodies<'_>, q: &[f64], v: &[f64], dt: f64) -> usize {
         let stride = self.fastest(bodies, v) * dt;
-        if self.margin >= 0.0 && self.moved(q) + stride <= SPENT * self.margin {
+        if self.margin >= 0.0 && self.moved(q) + stride <= SPENT_MARGIN_SHARE * self.margin {
             return 1;
         }
         let start = std::time::Instant::now();
-        self.build(bodies, q, (FAR * self.height).max(FAR * stride));
+        self.build(bodies, q, (FAR_MARGIN_HEIGHTS * self.height).max(FAR_MARGIN_HEIGHTS * stride));
         let mut parts = 1;
         if self.any {
-            self.build(bodies, q, NEAR * self.height);
-            parts = (stride / (STRIDE * self.height)).ceil().clamp(1.0, 1e9) as usize;
+            self.build(bodies, q, NEAR_MARGIN_HEIGHTS * self.height);
+            parts = (stride / (STEP_HEIGHTS * self.height)).ceil().clamp(1.0, 1e9) as usize;
         }
         self.counts.seconds += start.elapsed().as_secs_f64();
         parts
@@ -333,7 +333,7 @@ impl PlanarSearch {
     /// margin and, if a pair is near, at most 0.22 heights. Rigid motion common to all bodies does not count.
     pub fn reach(&self, q: &[f64]) -> f64 {
         let rest = (self.margin / 2.0 - self.moved(q)).max(0.0);
-        if self.any { rest.min(SEEN * self.height) } else { rest }
+        if self.any { rest.min(SEEN_HEIGHTS * self.height) } else { rest }
     }
 
     fn largest(&self, bodies: &Bodies<'_>, of: impl Fn(usize, usize) -> f64) -> f64 {
@@ -368,7 +368,8 @@ impl PlanarSearch {
         let skip = |i: usize, j: usize| {
             let (a, b) = (&self.faces[i], &self.faces[j]);
             a.body == b.body
-                && !(scene.contact.with_itself && apart(a, b) >= NEIGHBOURS * scene.bodies[a.body].height)
+                && !(scene.contact.with_itself
+                    && apart(a, b) >= NEIGHBOUR_HEIGHTS * scene.bodies[a.body].height)
         };
         let pairs = near_pairs(&boxes, margin, skip);
         self.counts.searches += 1;
