@@ -364,7 +364,7 @@ pub(super) fn absorbed(flows: &Flows, state: &MotionState, start: &MotionState, 
 }
 
 /// What passes through the sections at a moment.
-fn sections_at(dynamics: &mut Dynamics<'_>, moment: &Moment) -> SectionForces {
+pub(super) fn sections_at(dynamics: &mut Dynamics<'_>, moment: &Moment) -> SectionForces {
     dynamics.evaluate(moment.t, &moment.z, &moment.v, &moment.a);
     ForceReader::new(dynamics.assembly).sections(&dynamics.acting())
 }

@@ -6,7 +6,7 @@ use crate::analysis::equilibrium::{Balance, Equilibrium};
 use crate::analysis::section_forces::ForceReader;
 use crate::analysis::spinup::orbit;
 use crate::analysis::spinup::orbit::Orbit;
-use crate::analysis::spinup::recorder::RunRecorder;
+use crate::analysis::spinup::recorder::{RunRecorder, sections_at};
 use crate::analysis::spinup::remarks::clear_remark;
 use crate::analysis::spinup::{EQUILIBRIUM_NEWTON, spin_state};
 use crate::analysis::statics::{newton_summary, pinned_remark, strain_remark};
