@@ -74,7 +74,12 @@ fn comparison_table(comparisons: &[&Comparison]) -> String {
                 c.error().map_or("-".to_owned(), |e| format!("{e:.1e}")),
                 format!("{:.1e}", c.tolerance),
                 number(c.published),
-                format!("{} {} ({})", c.analysis, c.path, c.source),
+                match c.ours {
+                    Some(_) => format!("{} {} ({})", c.analysis, c.path, c.source),
+                    None => {
+                        format!("{} {}: the report has no number there ({})", c.analysis, c.path, c.source)
+                    }
+                },
             ]
         })
         .collect();

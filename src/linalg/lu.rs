@@ -214,3 +214,37 @@ impl Pattern {
         Ok(Self { places: a.places.clone(), symbolic, order, columns })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An almost symmetric band against its product with a known vector; the second matrix of the pattern is ordered no more; a smaller
+    /// one afterwards is another pattern.
+    #[test]
+    fn systems_are_solved_with_one_ordering() {
+        let mut solver = LuSolver::default();
+        for (n, factor, orderings) in [(40, 1.0, 1), (40, 3.0, 1), (17, 1.0, 2)] {
+            let mut entries = Entries::default();
+            for i in 0..n {
+                entries.add(i, i, 4.0 * factor + i as f64);
+                if i + 3 < n {
+                    entries.add(i, i + 3, -1.0 + 0.1 * factor);
+                    entries.add(i + 3, i, -1.0);
+                }
+            }
+            let x: Vec<f64> = (0..n).map(|i| (0.7 * i as f64).sin()).collect();
+            let mut b = vec![0.0; n];
+            entries.multiply(&x, &mut b);
+            solver.solve(n, &entries, &mut b).unwrap();
+            let error = b.iter().zip(&x).map(|(b, x)| (b - x).abs()).fold(0.0, f64::max);
+            assert!(error < 1e-13, "{n}: {error:e}");
+            assert_eq!(solver.orderings, orderings);
+        }
+        // a row of zeros
+        let mut singular = Entries::default();
+        singular.add(0, 0, 1.0);
+        singular.add(1, 1, 0.0);
+        assert!(solver.solve(2, &singular, &mut [1.0, 1.0]).is_err());
+    }
+}

@@ -1,6 +1,6 @@
 //! Steady states of turning shafts: equilibria in the turning frame and periodic motions, against closed forms.
 
-use crate::common::{fieldtest, model, with};
+use crate::common::{fieldtest, model, shaft, with};
 use faer::c64 as Complex;
 use rotor::analysis::Outcome;
 use rotor::analysis::spinup::spinup;
@@ -200,4 +200,26 @@ fn orbits_do_not_change_with_the_mesh() {
         let found = run(&jeffcott(even, [[10.0, 0.0], [0.0, 10.0]], 90.0, set)).results;
         assert!((radius(&found) / right - 1.0).abs() < 2e-4, "{segments} {}: {right}", radius(&found));
     }
+}
+
+/// A balanced shaft, and one whose disk is a hundredth of a millimetre out of its axis, on uneven bearings: motions that are small beside
+/// what rounding moves are found, and are as linear as they are small.
+#[test]
+fn small_motions_on_uneven_bearings_are_found() {
+    let fan = |offset: f64| {
+        let bearing = |at: f64| json!({ "at": at, "kind": "bearing", "stiffness": [[5e7, 0], [0, 2e7]], "damping": [[5e3, 0], [0, 5e3]] });
+        let more = json!({
+            "disks": [{ "at": 0.85, "mass": 30.0, "polar_inertia": 0.6, "diametral_inertia": 0.31, "offset": [offset, 0] }],
+            "supports": [bearing(0.1), bearing(0.7)],
+            "spinup": {
+                "drive": [{ "until": 1.0, "speed": "3000 rpm" }], "until": 1.0, "steady": true, "driven_at": 0
+            }
+        });
+        let model = model(&shaft(json!({ "shape": "circle", "radius": 0.03 }), 0.9, 9, more));
+        let settings = model.spinup.as_ref().expect("spinup");
+        spinup(&model, settings, &|_, _| true).unwrap_or_else(|e| panic!("{offset}: {e}")).results
+    };
+    assert!(fan(0.0).extremes.expect("an orbit").radius_m < 1e-11);
+    let [small, large] = [1e-5, 1e-4].map(|offset| fan(offset).extremes.expect("an orbit").radius_m / offset);
+    assert!(small > 1e-3 && (small / large - 1.0).abs() < 1e-4, "{small} {large}");
 }

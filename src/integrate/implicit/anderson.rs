@@ -73,3 +73,33 @@ impl Secants {
         self.next = (at + 1) % KEPT_PAIRS;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A linear problem with a matrix that serves badly: secants make the iteration end after as many iterations as there are unknowns,
+    /// which without them takes hundreds.
+    #[test]
+    fn secants_solve_a_linear_problem_in_as_many_iterations_as_unknowns() {
+        let exact = [3.0, -1.0, 2.0, 0.5];
+        // the tangent is diagonal and not the identity that stands for it
+        let tangent = [0.2, 1.7, 0.6, 1.1];
+        let run = |accelerated: bool| {
+            let (mut secants, mut x) = (Secants::default(), [0.0; 4]);
+            for iteration in 0..1000 {
+                let mut d: Vec<f64> = (0..4).map(|k| tangent[k] * (exact[k] - x[k])).collect();
+                if d.iter().all(|d| d.abs() < 1e-8) {
+                    return iteration;
+                }
+                if accelerated {
+                    secants.improve(&mut d, iteration > 0);
+                }
+                (0..4).for_each(|k| x[k] += d[k]);
+            }
+            1000
+        };
+        assert!(run(true) <= 7, "{}", run(true));
+        assert!(run(false) > 50, "{}", run(false));
+    }
+}

@@ -96,3 +96,31 @@ pub(super) fn reduce(mut rows: Vec<Vec<f64>>) -> Vec<(usize, Vec<f64>)> {
     }
     done
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three conditions on four coordinates, one of them a sum of the others: two pivots, each 1 in its own row and 0 in the other.
+    #[test]
+    fn dependent_rows_leave_as_many_pivots_as_their_rank() {
+        let rows = vec![vec![2.0, 1.0, 0.0, -1.0], vec![0.0, 3.0, 6.0, 0.0], vec![2.0, 4.0, 6.0, -1.0]];
+        let reduced = reduce(rows.clone());
+        assert_eq!(reduced.len(), 2);
+        for (k, (pivot, row)) in reduced.iter().enumerate() {
+            assert!((row[*pivot] - 1.0).abs() < 1e-14);
+            assert!(reduced.iter().enumerate().all(|(l, (other, _))| l == k || row[*other] == 0.0));
+        }
+        // what the reduced rows leave free satisfies the rows as they were
+        let pivots: Vec<usize> = reduced.iter().map(|(pivot, _)| *pivot).collect();
+        for free in (0..4).filter(|c| !pivots.contains(c)) {
+            let mut x = [0.0; 4];
+            x[free] = 1.0;
+            reduced.iter().for_each(|(pivot, row)| x[*pivot] = -row[free]);
+            for row in &rows {
+                let left: f64 = row.iter().zip(x).map(|(a, x)| a * x).sum();
+                assert!(left.abs() < 1e-13, "{left}");
+            }
+        }
+    }
+}

@@ -187,3 +187,22 @@ impl Assembly<'_> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A pin at x = 0 and another at x = 2 leave turning about x alone; a pin alone leaves three rotations.
+    #[test]
+    fn pins_leave_rotations() {
+        let pin = |x: f64| {
+            [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0, 0.0, x], [0.0, 0.0, 1.0, 0.0, -x, 0.0]]
+        };
+        let names = |rows: &[[f64; 6]]| -> Vec<String> { null_space(rows).iter().map(motion_name).collect() };
+        assert_eq!(names(&pin(0.0)), ["rotation about x", "rotation about y", "rotation about z"]);
+        assert_eq!(names(&[pin(0.0), pin(2.0)].concat()), ["rotation about x"]);
+        // a pin beside the origin: turning about it moves the origin, too
+        assert!(names(&pin(2.0)).contains(&"translation along y with rotation about z".to_owned()));
+        assert_eq!(null_space(&[]).len(), 6);
+    }
+}

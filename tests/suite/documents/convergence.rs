@@ -1,7 +1,7 @@
 //! Which members lock and where, and how fast meshes converge: docs/convergence.md.
 
 use crate::common::{draw, keep, of_kind, shaft};
-use crate::convergence_figure::{Curve, Panel, svg};
+use crate::documents::convergence_figure::{Curve, Panel, svg};
 use rotor::accuracy::locking_and_rounding::bending_excess;
 use rotor::accuracy::radial_growth::basis_error;
 use rotor::accuracy::thin_wall::ovalling_error;

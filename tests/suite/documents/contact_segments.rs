@@ -1,7 +1,7 @@
 //! How many integration segments a line of contact needs: 34X3 against 3333s, two cantilevers along each other.
 
 use crate::common::{case, draw, with};
-use crate::convergence_figure::{Panel, svg};
+use crate::documents::convergence_figure::{Panel, svg};
 use rotor::analysis::contact::contact;
 use rotor::model::scene::Scene;
 use serde_json::json;
