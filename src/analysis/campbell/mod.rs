@@ -1,6 +1,6 @@
 //! `rotor campbell`: whirl frequencies over spin speed, and critical speeds.
 //!
-//! The frames and forms are those of [`crate::analysis::campbell::operators`]. The sweep runs on a reduced basis whose error is
+//! The frames and forms are those of `operators.rs`. The sweep runs on a reduced basis whose error is
 //! measured against the unreduced problem at the highest speed; critical speeds are solved directly and
 //! cross-checked with the sweep. Source: docs/theory/linear-rotordynamics.md.
 
@@ -66,15 +66,7 @@ pub fn campbell(
     }
     refuse_supports(&assembly, &spectrum, settings)?;
     let highest = settings.speeds.last().copied().unwrap_or(0.0);
-    let stiffening = match settings.form {
-        Form::Consistent if highest > 0.0 => {
-            let stiffening = Stiffening::new(model, &spectrum, highest);
-            Some(stiffening.map_err(|error| burst_of(model, error, highest))?)
-        }
-        _ => None,
-    };
-    let operators = Operators::new(&assembly, &spectrum, settings.frame, settings.gyroscopic, stiffening);
-    refuse_burst(&operators, &spectrum, highest).map_err(|error| burst_of(model, error, highest))?;
+    let operators = operators(&assembly, &spectrum, settings, highest)?;
     let reduced = Reduced::new(&operators, &spectrum, basis - corrected, corrected)?;
     let criticals = if highest > 0.0 && (operators.is_conservative() || operators.is_rotating()) {
         Some(synchronous::critical_speeds(&operators, &spectrum, highest)?)
@@ -126,6 +118,28 @@ pub fn campbell(
         },
     };
     Ok(Outcome { results, model: model_summary, diagnostics })
+}
+
+/// The matrices of the sweep, in the frame and form of the settings.
+///
+/// # Errors
+/// A shaft that bursts below the highest speed.
+fn operators(
+    assembly: &Assembly<'_>,
+    spectrum: &Spectrum,
+    settings: &CampbellSettings,
+    highest: f64,
+) -> Result<Operators> {
+    let bursts = |error| burst_of(assembly.model, error, highest);
+    let stiffening = match settings.form {
+        Form::Consistent if highest > 0.0 => {
+            Some(Stiffening::new(assembly.model, spectrum, highest).map_err(bursts)?)
+        }
+        _ => None,
+    };
+    let operators = Operators::new(assembly, spectrum, settings.frame, settings.gyroscopic, stiffening);
+    refuse_burst(&operators, spectrum, highest).map_err(bursts)?;
+    Ok(operators)
 }
 
 /// Supports whose spinning rotor has no steady state to linearise about.
