@@ -150,7 +150,7 @@ impl Error {
         )
     }
 
-    /// An [`Error::Analysis`].
+    /// An [`Error::Analysis`] from what failed, what was tried, and what the user can change.
     pub fn analysis(what: impl Into<String>, tried: impl Into<String>, remedy: impl Into<String>) -> Self {
         Error::Analysis { what: what.into(), tried: tried.into(), remedy: remedy.into() }
     }

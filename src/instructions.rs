@@ -15,11 +15,11 @@ pub enum Instructions {
     /// The widest of the processor.
     #[default]
     Widest,
-    /// AVX-512.
+    /// AVX-512: eight numbers at a time.
     Avx512,
     /// AVX2 with fused multiply-add.
     Avx2,
-    /// None.
+    /// No vector instructions: one number at a time.
     Scalar,
 }
 

@@ -240,22 +240,46 @@ pub struct RotorBuilder {
 
 impl RotorBuilder {
     /// An isotropic material: Young's modulus (Pa), Poisson's ratio, density (kg/m^3).
+    ///
+    /// ```
+    /// let rotor = rotor::Rotor::builder("example").material("steel", 210e9, 0.3, 7850.0).build()?;
+    /// assert!(rotor.case()["materials"]["steel"]["rho"] == 7850.0);
+    /// # Ok::<(), rotor::Error>(())
+    /// ```
     pub fn material(self, name: &str, youngs_modulus: f64, poisson_ratio: f64, density: f64) -> Self {
         self.named("materials", name, json!({ "E": youngs_modulus, "nu": poisson_ratio, "rho": density }))
     }
 
     /// A solid circle of that radius, m.
+    ///
+    /// ```
+    /// let rotor = rotor::Rotor::builder("example").circle("round", 0.02).build()?;
+    /// assert!(rotor.case()["sections"]["round"]["radius"] == 0.02);
+    /// # Ok::<(), rotor::Error>(())
+    /// ```
     pub fn circle(self, name: &str, radius: f64) -> Self {
         self.named("sections", name, json!({ "shape": "circle", "radius": radius }))
     }
 
     /// A tube of those radii, m.
+    ///
+    /// ```
+    /// let rotor = rotor::Rotor::builder("example").tube("wall", 0.1, 0.06).build()?;
+    /// assert!(rotor.case()["sections"]["wall"]["inner_radius"] == 0.06);
+    /// # Ok::<(), rotor::Error>(())
+    /// ```
     pub fn tube(self, name: &str, outer_radius: f64, inner_radius: f64) -> Self {
         let section = json!({ "shape": "tube", "outer_radius": outer_radius, "inner_radius": inner_radius });
         self.named("sections", name, section)
     }
 
     /// The next segment of the shaft: its length (m), number of elements, section and material by name.
+    ///
+    /// ```
+    /// let rotor = rotor::Rotor::builder("example").segment(1.0, 8, "round", "steel").build()?;
+    /// assert!(rotor.case()["shaft"]["segments"][0]["elements"] == 8);
+    /// # Ok::<(), rotor::Error>(())
+    /// ```
     pub fn segment(self, length: f64, elements: usize, section: &str, material: &str) -> Self {
         let segment =
             json!({ "length": length, "elements": elements, "section": section, "material": material });
@@ -263,6 +287,12 @@ impl RotorBuilder {
     }
 
     /// A rigid disk at a place (m): its mass (kg), polar and diametral inertia (kg m^2).
+    ///
+    /// ```
+    /// let rotor = rotor::Rotor::builder("example").disk(0.4, 20.0, 0.25, 0.13).build()?;
+    /// assert!(rotor.case()["disks"][0]["polar_inertia"] == 0.25);
+    /// # Ok::<(), rotor::Error>(())
+    /// ```
     pub fn disk(self, at: f64, mass: f64, polar_inertia: f64, diametral_inertia: f64) -> Self {
         let inertias = json!({
             "at": at, "mass": mass, "polar_inertia": polar_inertia, "diametral_inertia": diametral_inertia
@@ -271,27 +301,57 @@ impl RotorBuilder {
     }
 
     /// A bearing at a place (m): its stiffness `[[kyy, kyz], [kzy, kzz]]`, N/m.
+    ///
+    /// ```
+    /// let rotor = rotor::Rotor::builder("example").bearing(0.0, [[1e6, 0.0], [0.0, 2e6]]).build()?;
+    /// assert!(rotor.case()["supports"][0]["stiffness"][1][1] == 2e6);
+    /// # Ok::<(), rotor::Error>(())
+    /// ```
     pub fn bearing(self, at: f64, stiffness: [[f64; 2]; 2]) -> Self {
         self.add("supports", json!({ "at": at, "kind": "bearing", "stiffness": stiffness }))
     }
 
     /// A support of a kind ("pinned", "roller", "clamped", "revolute", "cylindrical") at a place, m.
+    ///
+    /// ```
+    /// let rotor = rotor::Rotor::builder("example").support(0.0, "pinned").build()?;
+    /// assert!(rotor.case()["supports"][0]["kind"] == "pinned");
+    /// # Ok::<(), rotor::Error>(())
+    /// ```
     pub fn support(self, at: f64, kind: &str) -> Self {
         self.add("supports", json!({ "at": at, "kind": kind }))
     }
 
     /// The speeds of the Campbell diagram: equal steps between two speeds, rad/s.
+    ///
+    /// ```
+    /// let rotor = rotor::Rotor::builder("example").speeds(0.0, 1000.0, 21).build()?;
+    /// assert!(rotor.case()["campbell"]["speeds"]["count"] == 21);
+    /// # Ok::<(), rotor::Error>(())
+    /// ```
     pub fn speeds(self, from: f64, to: f64, count: usize) -> Self {
         self.set("campbell.speeds", json!({ "from": from, "to": to, "count": count }))
     }
 
     /// Writes a value at a path of the case, e.g. `"gravity"` or `"campbell.modes"`; what is missing on the way is made.
+    ///
+    /// ```
+    /// let rotor = rotor::Rotor::builder("example").set("modes.count", 12).build()?;
+    /// assert!(rotor.case()["modes"]["count"] == 12);
+    /// # Ok::<(), rotor::Error>(())
+    /// ```
     pub fn set(mut self, path: &str, value: impl Into<Value>) -> Self {
         *self.place(path) = value.into();
         self
     }
 
     /// Adds an entry to a list of the case, e.g. `"loads"` or `"probes"`; the list is made if it is missing.
+    ///
+    /// ```
+    /// let rotor = rotor::Rotor::builder("example").add("probes", serde_json::json!({ "name": "rim", "at": 0.5, "y": 0.02, "z": 0 })).build()?;
+    /// assert!(rotor.case()["probes"][0]["name"] == "rim");
+    /// # Ok::<(), rotor::Error>(())
+    /// ```
     pub fn add(mut self, path: &str, entry: impl Into<Value>) -> Self {
         match self.place(path) {
             Value::Array(list) => list.push(entry.into()),

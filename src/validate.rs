@@ -8,7 +8,7 @@ use serde_json::Value;
 /// One compared number.
 #[derive(Debug, Clone)]
 pub struct Comparison {
-    /// Case file.
+    /// Case file that the value belongs to.
     pub file: String,
     /// Analysis it comes from.
     pub analysis: &'static str,
@@ -16,7 +16,7 @@ pub struct Comparison {
     pub path: String,
     /// Our value; `None` when the report has no number there.
     pub ours: Option<f64>,
-    /// Reference value.
+    /// Value that ours is compared with.
     pub reference: f64,
     /// Value printed in the source, when it differs in kind from the reference.
     pub published: Option<f64>,

@@ -34,13 +34,13 @@ const SHORT: f64 = 0.1;
 pub struct Balance<'a> {
     /// Numbering, constraints and matrices of the shaft.
     pub assembly: &'a Assembly<'a>,
-    /// Nonlinear forces.
+    /// Internal forces of elements and hubs.
     pub forces: Forces<'a>,
     /// Mass of all coordinates.
     pub mass: ScalarMass,
     /// Undeformed state q0.
     pub reference: Vec<f64>,
-    /// Loads.
+    /// Loads that act in the equilibrium.
     pub loads: Loads,
     /// Spin speed, rad/s.
     pub speed: f64,
@@ -65,7 +65,7 @@ const PATH: usize = 4;
 /// How Newton's method is run.
 #[derive(Debug, Clone, Copy)]
 pub struct NewtonSettings {
-    /// Load steps.
+    /// Number of equal steps in which the load is applied.
     pub load_steps: usize,
     /// Most iterations of a step.
     pub max_iterations: usize,

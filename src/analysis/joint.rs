@@ -21,7 +21,7 @@ use crate::section::basis::SectionBasis;
 pub enum Pull {
     /// A bending moment.
     Bending,
-    /// A torque.
+    /// A torque about the axis of the shaft.
     Torsion,
     /// An axial force.
     Axial,
@@ -157,7 +157,7 @@ pub fn missing(pull: Pull, sections: [&Section; 2], sides: [SectionBasis; 2], al
 /// One side of a joint.
 #[derive(Debug, Clone, Copy)]
 pub struct JointSide<'a> {
-    /// Its section.
+    /// The section on this side of the joint.
     pub section: &'a Section,
     /// Functions over it.
     pub basis: SectionBasis,

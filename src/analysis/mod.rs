@@ -36,7 +36,7 @@ pub struct Outcome<R> {
     pub results: R,
     /// Size and content of the model.
     pub model: ModelSummary,
-    /// Remarks.
+    /// Remarks on accuracy and on input that the analysis does not use.
     pub diagnostics: Vec<Diagnostic>,
 }
 

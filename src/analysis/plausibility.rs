@@ -21,7 +21,7 @@ const FASTEST_SURFACE_M_S: f64 = 800.0;
 const FASTEST_SPIN_RAD_S: f64 = 1.05e5;
 /// Mass of the heaviest rotor with some room, kg: hydroelectric ones have 2e6.
 const HEAVIEST: f64 = 5e6;
-/// Gravity, m/s^2.
+/// Strongest gravity that a machine feels, m/s^2.
 const STRONGEST_GRAVITY: f64 = 300.0;
 
 /// Warnings of values that look like a slip of units, each with its path.

@@ -136,7 +136,7 @@ pub struct Filter {
 /// A case with where it came from.
 #[derive(Debug, Clone)]
 pub struct LoadedCase {
-    /// The case.
+    /// The case as types.
     pub case: Case,
     /// The JSON it was read from, overrides included.
     pub value: Value,

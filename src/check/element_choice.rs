@@ -19,7 +19,7 @@ const HOLLOW: f64 = 0.13;
 pub struct Choice {
     /// Functions over the section.
     pub basis: SectionBasis,
-    /// Why.
+    /// Why this member was chosen, in words for the report.
     pub reason: &'static str,
     /// Relative error of bending, torsion and growth that the functions leave.
     pub estimate: f64,

@@ -21,7 +21,7 @@ pub struct Share {
     pub path: &'static str,
     /// What it is for.
     pub what: &'static str,
-    /// Bytes.
+    /// Estimated size, bytes.
     pub bytes: f64,
 }
 

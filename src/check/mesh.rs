@@ -13,7 +13,7 @@ pub const SHORTEST_SEGMENT_PER_LENGTH: f64 = 1e-8;
 /// A checked segment.
 #[derive(Debug, Clone, Copy)]
 pub struct SegmentPlan {
-    /// Length, m.
+    /// Length of the segment, m.
     pub length: f64,
     /// Elements asked for.
     pub elements: u64,
@@ -28,9 +28,9 @@ pub struct SegmentPlan {
 /// Elements and nodes from left to right.
 #[derive(Debug)]
 pub struct Mesh {
-    /// Elements.
+    /// Elements from x = 0 on.
     pub elements: Vec<Element>,
-    /// Nodes.
+    /// Nodes from x = 0 on.
     pub nodes: Vec<Node>,
 }
 

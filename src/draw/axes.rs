@@ -69,9 +69,9 @@ fn nice_step(least: f64) -> f64 {
 /// Side of a plot an axis stands on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
-    /// Below.
+    /// The axis lies below the panel.
     Bottom,
-    /// Above.
+    /// The axis lies above the panel.
     Top,
     /// To the left.
     Left,

@@ -6,13 +6,13 @@ pub type Point = (f64, f64);
 /// An upright rectangle in logical pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rect {
-    /// Left edge.
+    /// Left edge, logical pixels from the left of the figure.
     pub left: f64,
-    /// Upper edge.
+    /// Upper edge, logical pixels from the top of the figure.
     pub top: f64,
-    /// Right edge.
+    /// Right edge, logical pixels from the left of the figure.
     pub right: f64,
-    /// Lower edge.
+    /// Lower edge, logical pixels from the top of the figure.
     pub bottom: f64,
 }
 

@@ -33,7 +33,7 @@ pub struct Curve {
     pub name: String,
     /// How it is drawn.
     pub stroke: Stroke,
-    /// Its points.
+    /// Points of the curve, in the units of the axes.
     pub points: Vec<Point>,
 }
 
@@ -41,24 +41,24 @@ pub struct Curve {
 pub struct Mark {
     /// Words of its legend entry.
     pub name: String,
-    /// Symbol.
+    /// Symbol that marks the point.
     pub marker: Marker,
-    /// Colour.
+    /// Colour of the symbol.
     pub color: Color,
-    /// Where.
+    /// Place of the mark, in the units of the axes.
     pub at: Point,
 }
 
-/// One plot.
+/// One plot of a figure: its axes, curves and marks.
 #[derive(Default)]
 pub struct Panel {
     /// Quantity and unit across.
     pub across: (&'static str, &'static str),
     /// Quantity and unit upwards.
     pub up: (&'static str, &'static str),
-    /// Curves.
+    /// Curves that the panel shows.
     pub curves: Vec<Curve>,
-    /// Marks.
+    /// Marks that the panel shows.
     pub marks: Vec<Mark>,
     /// The same scale in both directions.
     pub equal: bool,

@@ -95,7 +95,7 @@ pub struct SectionProducts {
     pub rotation: Mat<f64>,
     /// `int (d_theta m_k)(d_theta m_l) dA`.
     pub rotation_rotation: Mat<f64>,
-    /// Area, m^2.
+    /// Area of the section, m^2.
     pub area: f64,
     /// Reference length R, m.
     pub reference_length: f64,

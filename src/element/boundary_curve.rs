@@ -19,9 +19,9 @@ const MOST_ANGLES: usize = 20_000;
 /// A point of a line with its weights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinePoint {
-    /// Position, m.
+    /// Position y in the section, m.
     pub y: f64,
-    /// Position, m.
+    /// Position z in the section, m.
     pub z: f64,
     /// Length that it stands for, m.
     pub length: f64,

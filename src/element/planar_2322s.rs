@@ -28,10 +28,10 @@ const NO_CHANGE: f64 = 1e-26;
 /// A point of a quadrature along the element.
 #[derive(Debug, Clone, Copy)]
 struct PlanarStation {
-    /// m.
+    /// Weight of the station in an integral along the element, m.
     weight: f64,
     values: [f64; NODES],
-    /// 1/m.
+    /// Slopes of the shape functions at the station, 1/m.
     slopes: [f64; NODES],
     /// Of the second integral.
     thickness: bool,
@@ -45,17 +45,17 @@ pub struct PlanarElement {
     stations: [PlanarStation; 5],
 }
 
-/// `L_i(xi)`.
+/// Shape functions `L_i(xi)` of the three nodes, xi from -1 to 1.
 pub fn values(xi: f64) -> [f64; NODES] {
     [xi * (xi - 1.0) / 2.0, 1.0 - xi * xi, xi * (xi + 1.0) / 2.0]
 }
 
-/// `dL_i/dxi`.
+/// Their slopes `dL_i/dxi`.
 pub fn slopes(xi: f64) -> [f64; NODES] {
     [xi - 0.5, -2.0 * xi, xi + 0.5]
 }
 
-/// `d^2 L_i/dxi^2`.
+/// Their second derivatives `d^2 L_i/dxi^2`, which are constant.
 pub const CURVATURES: [f64; NODES] = [1.0, -2.0, 1.0];
 
 /// `r'`, b and c.
@@ -98,7 +98,7 @@ impl PlanarElement {
         sum
     }
 
-    /// `d^2 psi/dv^2`.
+    /// Second derivatives `d^2 psi/dv^2` of the energy per length by the section quantities.
     fn curvature(&self, thickness: bool, v: &Quantities) -> Curvature {
         let mut sum = Curvature::zeros();
         if thickness {
@@ -174,12 +174,12 @@ impl PlanarElement {
         })
     }
 
-    /// Length, m.
+    /// Length of the undeformed element, m.
     pub fn length(&self) -> f64 {
         self.length
     }
 
-    /// Its section.
+    /// Stiffnesses and masses of its section.
     pub fn section(&self) -> &PlanarSection {
         &self.section
     }

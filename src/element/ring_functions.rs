@@ -29,9 +29,9 @@ pub struct RingFunctions {
 /// A function at a point: value, and derivatives by rho and by theta over rho.
 #[derive(Debug, Clone, Copy)]
 pub struct Polar {
-    /// f.
+    /// Value of the function f.
     pub value: f64,
-    /// `df/drho`.
+    /// Its derivative by the radius, `df/drho`.
     pub radial: f64,
     /// `df/dtheta / rho`.
     pub hoop: f64,

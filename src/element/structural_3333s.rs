@@ -90,7 +90,7 @@ fn strains<T: DualNum<f64> + Copy>(v: &SVector<T, QUANTITIES>) -> [T; 9] {
 /// A Gauss point along the element.
 #[derive(Debug, Clone)]
 struct StructuralStation {
-    /// Weight, m.
+    /// Weight of the station in an integral along the element, m.
     weight: f64,
     /// Section quantity by coordinate: `[quantity][node]`.
     factors: [[f64; NODES]; SOURCES.len()],

@@ -177,7 +177,7 @@ impl SparseLu {
         Ok(Self { factor, size })
     }
 
-    /// `A^-1 b`.
+    /// Solves for one right side: `A^-1 b`.
     ///
     /// # Errors
     /// A singular matrix.
@@ -186,7 +186,7 @@ impl SparseLu {
         Ok(x.col(0).iter().copied().collect())
     }
 
-    /// `A^-1 B`.
+    /// Solves for several right sides: `A^-1 B`.
     ///
     /// # Errors
     /// A singular matrix.

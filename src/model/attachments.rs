@@ -29,9 +29,9 @@ impl Hub {
 pub struct Disk {
     /// Node it sits on.
     pub node: usize,
-    /// kg.
+    /// Mass of the disk, kg.
     pub mass: f64,
-    /// kg m^2.
+    /// Moment of inertia about the axis of the shaft, kg m^2.
     pub polar_inertia: f64,
     /// kg m^2, at least half the polar inertia.
     pub diametral_inertia: f64,
@@ -193,9 +193,9 @@ pub enum SurfaceLoad {
 /// A load on a part of the lateral surface of the whole shaft, of its bore where it has one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Traction {
-    /// Where.
+    /// Part of the surface that the load acts on.
     pub surface: Surface,
-    /// How much.
+    /// What acts there, by its kind.
     pub load: SurfaceLoad,
     /// How it moves; pressure follows or is dead.
     pub reading: Reading,

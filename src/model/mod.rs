@@ -20,7 +20,7 @@ pub struct Material {
     pub youngs_modulus: f64,
     /// Poisson's ratio, in (-1, 0.5).
     pub poisson_ratio: f64,
-    /// Density, kg/m^3.
+    /// Density of the material, kg/m^3.
     pub density: f64,
     /// Kelvin-Voigt factor beta of `S = C : (E + beta dE/dt)`, s.
     pub stiffness_damping: f64,
@@ -46,7 +46,7 @@ pub struct ElementKind {
     pub axial_degree: usize,
     /// Functions of the section, as many as a node has vectors.
     pub basis: SectionBasis,
-    /// Elastic law.
+    /// Elastic law of the member.
     pub law: Law,
 }
 
@@ -84,7 +84,7 @@ impl ElementKind {
 pub struct Element {
     /// Position of its left end, m.
     pub x: f64,
-    /// Length, m.
+    /// Length of the element, m.
     pub length: f64,
     /// Index of its left node.
     pub first_node: usize,
@@ -101,7 +101,7 @@ pub struct Element {
 /// Functions of one section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Field {
-    /// Which functions.
+    /// Functions across the section.
     pub basis: SectionBasis,
     /// Of which section: index into [`Model::sections`].
     pub section: usize,
@@ -111,7 +111,7 @@ pub struct Field {
 /// follow: they are the projection of the node's own field on the area that both sides share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Node {
-    /// Position, m.
+    /// Position of the node along the shaft, m.
     pub x: f64,
     /// What its own vectors multiply.
     pub field: Field,
@@ -166,13 +166,13 @@ pub struct Model {
     pub elements: Vec<Element>,
     /// Nodes from left to right.
     pub nodes: Vec<Node>,
-    /// Disks.
+    /// Rigid disks at nodes.
     pub disks: Vec<Disk>,
-    /// Bearings.
+    /// Linear bearings at nodes.
     pub bearings: Vec<Bearing>,
-    /// Kinematic supports.
+    /// Supports that hold components of the motion.
     pub supports: Vec<Support>,
-    /// Probes.
+    /// Places where displacements and stresses are read.
     pub probes: Vec<Probe>,
     /// Gravity, m/s^2; zero when none is given (ignored by linear analyses about the unloaded state).
     pub gravity: [f64; 3],
@@ -188,7 +188,7 @@ pub struct Model {
     pub modes: usize,
     /// Sweep, when the case has one.
     pub campbell: Option<CampbellSettings>,
-    /// Static analysis.
+    /// Settings of the static analysis.
     pub statics: StaticSettings,
     /// Spin-up, when the case has one.
     pub spinup: Option<SpinupSettings>,
@@ -197,9 +197,9 @@ pub struct Model {
 /// Names of materials and sections in the case, by their indices in a [`Model`].
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Names {
-    /// Of [`Model::materials`].
+    /// Names of [`Model::materials`] in the case.
     pub materials: Vec<String>,
-    /// Of [`Model::sections`].
+    /// Names of [`Model::sections`] in the case.
     pub sections: Vec<String>,
 }
 

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 /// Stiffness and inertia per length of a planar beam.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlanarSection {
-    /// EA, N.
+    /// Stiffness EA against stretch, N.
     pub axial: f64,
     /// ks GA, N.
     pub shear: f64,
@@ -25,7 +25,7 @@ pub struct PlanarSection {
 /// What a body is made of.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Beam {
-    /// 2322s.
+    /// A planar body of elements 2322s.
     Planar(PlanarSection),
     /// 3333s or 34X3: a shaft along its own x axis, of one segment.
     Spatial(Box<Model>),
@@ -36,7 +36,7 @@ pub enum Beam {
 pub enum Hold {
     /// All vectors of the section.
     Clamped,
-    /// The axis.
+    /// Both components of the axis at a node.
     Pinned,
     /// The axis in x only.
     PinnedX,
@@ -80,7 +80,7 @@ pub struct Body {
     pub element: String,
     /// What it is made of.
     pub beam: Beam,
-    /// m.
+    /// Length of the body, m.
     pub length: f64,
     /// Number of elements.
     pub elements: usize,
@@ -94,13 +94,13 @@ pub struct Body {
     pub start: Vector3<f64>,
     /// Columns are the body's own axes.
     pub frame: Matrix3<f64>,
-    /// m/s.
+    /// Velocity of the whole body at the start, m/s.
     pub velocity: Vector3<f64>,
     /// Whether gravity acts on it.
     pub gravity: bool,
     /// Nodes that are held.
     pub supports: Vec<(usize, Hold)>,
-    /// Loads.
+    /// Loads on the body.
     pub loads: Vec<BodyLoad>,
 }
 
@@ -130,7 +130,7 @@ pub enum Enforcement {
     LcpSingle,
     /// Exact constraints in equilibrium.
     ActiveSet,
-    /// No contact.
+    /// Contact is switched off.
     None,
 }
 
@@ -152,7 +152,7 @@ impl Enforcement {
 pub enum Stepping {
     /// Midpoint with discrete gradients.
     EnergyConsistent,
-    /// Semi-implicit Euler.
+    /// The semi-implicit Euler step.
     SemiImplicit,
 }
 
@@ -169,7 +169,7 @@ impl Stepping {
 /// Settings of the contact analysis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactSettings {
-    /// Enforcement.
+    /// How contact is enforced.
     pub method: Enforcement,
     /// Pressure per penetration along lines as written, N/m^3; `None` for that of [`Scene::penalty`].
     pub penalty: Option<f64>,
@@ -181,7 +181,7 @@ pub struct ContactSettings {
     pub cut: bool,
     /// End of the motion, s; `None` for equilibrium.
     pub until: Option<f64>,
-    /// s.
+    /// Length of a step, s.
     pub step: f64,
     /// Step in time.
     pub stepping: Stepping,
@@ -200,11 +200,11 @@ pub struct ContactSettings {
 /// A checked scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// Beams.
+    /// The bodies of the scene.
     pub bodies: Vec<Body>,
-    /// m/s^2.
+    /// Gravity, m/s^2.
     pub gravity: Vector3<f64>,
-    /// Contact.
+    /// Settings of contact between the bodies.
     pub contact: ContactSettings,
     /// What is written in the case without being of use.
     pub unused: Vec<Unused>,
@@ -213,9 +213,9 @@ pub struct Scene {
 /// Keys of a case that its analysis has no use for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unused {
-    /// JSON paths.
+    /// JSON paths of the settings that are not used.
     pub paths: Vec<String>,
-    /// Why.
+    /// Why they are not used.
     pub reason: &'static str,
 }
 

@@ -55,7 +55,7 @@ pub struct StaticSettings {
 /// `Omega(t) = a + (b - a) (1 - cos(pi (t - t0) / (until - t0))) / 2`, or linearly. The first phase starts at t = 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Phase {
-    /// End, s.
+    /// Time at which the phase ends, s.
     pub until: f64,
     /// Speed at the end, rad/s; negative against the positive sense about x.
     pub speed: f64,
@@ -87,7 +87,7 @@ pub struct SpinupSettings {
     pub until: f64,
     /// Frame of the unknowns.
     pub frame: Frame,
-    /// Integrator.
+    /// Method of integration.
     pub integrator: Integrator,
     /// Relative tolerance of a step.
     pub rtol: f64,
@@ -132,7 +132,7 @@ pub struct Stator {
     pub friction: f64,
     /// Radius of the shaft's surface there, the larger one at a step, m.
     pub radius: f64,
-    /// JSON path.
+    /// JSON path of the ring, for reports.
     pub path: String,
 }
 

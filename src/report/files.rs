@@ -46,7 +46,7 @@ pub struct Set<'a> {
 /// Another case whose reports a folder holds.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Foreign {
-    /// Its file.
+    /// File of the other case.
     pub case: PathBuf,
     /// The analysis it was run with.
     pub analysis: String,

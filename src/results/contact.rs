@@ -77,17 +77,17 @@ pub struct SceneCheck {
 /// A body as it is placed.
 #[derive(Debug, Clone, Serialize)]
 pub struct BodyCheck {
-    /// Name.
+    /// Name of the body.
     pub name: String,
-    /// Element.
+    /// Name of its element.
     pub element: String,
     /// Number of elements.
     pub elements: usize,
     /// Unknowns that its supports leave.
     pub degrees_of_freedom: usize,
-    /// Mass.
+    /// Mass of the body.
     pub mass_kg: f64,
-    /// Length.
+    /// Undeformed length of the body.
     pub length_m: f64,
     /// Height in the plane, of a circle the diameter.
     pub height_m: f64,
@@ -108,7 +108,7 @@ pub struct BodyCheck {
 /// Two bodies as they are placed.
 #[derive(Debug, Clone, Serialize)]
 pub struct PairCheck {
-    /// Names.
+    /// Names of the two bodies.
     pub pair: [String; 2],
     /// Smallest gap: at nodes of either boundary, of spatial bodies between the nearest places of their axes; null where an
     /// end of one is what is nearest.
@@ -121,26 +121,26 @@ pub struct PairCheck {
 /// A body in its last state.
 #[derive(Debug, Clone, Serialize)]
 pub struct BodyState {
-    /// Name.
+    /// Name of the body.
     pub name: String,
-    /// Element.
+    /// Name of its element.
     pub element: String,
     /// Number of elements.
     pub elements: usize,
     /// Place of the axis at its start.
     pub start_m: [f64; 3],
-    /// Displacement there.
+    /// Displacement of its start.
     pub start_displacement_m: [f64; 3],
     /// Place of the axis at its end.
     pub end_m: [f64; 3],
-    /// Displacement there.
+    /// Displacement of its end.
     pub end_displacement_m: [f64; 3],
 }
 
 /// Contact between two bodies, or of a body with itself, in one state.
 #[derive(Debug, Clone, Serialize)]
 pub struct PairState {
-    /// Names.
+    /// Names of the two bodies.
     pub pair: [String; 2],
     /// "point-to-point", "point-to-segment" or "line-to-line", what carries most; null when they don't touch.
     pub kind: Option<&'static str>,
@@ -164,7 +164,7 @@ pub struct PairState {
 /// A contact from its beginning to its end.
 #[derive(Debug, Clone, Serialize)]
 pub struct ContactEvent {
-    /// Names.
+    /// Names of the two bodies.
     pub pair: [String; 2],
     /// "point-to-point", "point-to-segment" or "line-to-line", what carries most of the impulse.
     pub kind: &'static str,
@@ -194,7 +194,7 @@ pub struct ContactSolver {
     pub steps: usize,
     /// Steps that were cut, into smaller ones.
     pub cut: usize,
-    /// Newton iterations.
+    /// Newton iterations of all steps.
     pub iterations: usize,
     /// Largest number of them in a step.
     pub most_iterations: usize,
@@ -202,9 +202,9 @@ pub struct ContactSolver {
     pub complementarity_problems: usize,
     /// Contacts in the largest of them.
     pub largest_problem: usize,
-    /// Broad phases.
+    /// How often near pairs were looked for.
     pub searches: usize,
-    /// Gaps measured.
+    /// Number of gaps that were measured.
     pub gaps: usize,
     /// Matrices that were factorised for them.
     #[serde(skip)]
@@ -220,7 +220,7 @@ pub struct ContactSolver {
 /// A motion over time; one row per instant.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct ContactHistory {
-    /// Time.
+    /// Output times.
     pub time_s: Vec<f64>,
     /// Pairs of bodies of the next two.
     pub pairs: Vec<[String; 2]>,
@@ -242,9 +242,9 @@ pub struct ContactHistory {
 /// Energies of a motion, one entry per instant of its history, J.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct ContactEnergy {
-    /// Kinetic energy.
+    /// Kinetic energy at each output time.
     pub kinetic: Vec<f64>,
-    /// Strain energy.
+    /// Strain energy at each output time.
     pub strain: Vec<f64>,
     /// Energy in penalty springs.
     pub contact: Vec<f64>,
@@ -259,7 +259,7 @@ pub struct ContactEnergy {
 /// The scene at one instant, for drawing.
 #[derive(Debug, Clone, Default)]
 pub struct Snapshot {
-    /// What instant.
+    /// Instant that the shape belongs to, in words.
     pub label: String,
     /// Names of the axes of the plane it is seen in, across and upwards.
     pub axes: [&'static str; 2],
@@ -278,7 +278,7 @@ pub struct ContactCost {
     pub elements_s: f64,
     /// Systems of equations.
     pub solve_s: f64,
-    /// Complementarity problems.
+    /// Time spent on complementarity problems.
     pub complementarity_s: f64,
     /// All of the analysis.
     pub total_s: f64,

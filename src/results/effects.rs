@@ -20,7 +20,7 @@ pub enum Modelled {
     Bearings(usize),
     /// Rule by which the internal forces are integrated.
     InternalForces(String),
-    /// Gravity.
+    /// Gravity acts.
     Gravity,
     /// Loads in a static analysis: at points, on surfaces, and whether they follow the shaft's places.
     StaticLoads {
@@ -67,7 +67,7 @@ pub enum Modelled {
     PeriodicMotion {
         /// Number of harmonics.
         harmonics: usize,
-        /// Relative truncation.
+        /// Change by the last harmonics, over the motion.
         truncation: f64,
     },
     /// A stability check that found no growing motion.
@@ -143,7 +143,7 @@ pub enum LeftOut {
     DampingOfModes,
     /// The case has no damping.
     Damping,
-    /// Gyroscopic terms.
+    /// Gyroscopic terms, which the case switches off or which do not act at rest.
     GyroscopicTerms,
     /// Stiffening by spin in the classical form.
     SpinStiffening,

@@ -34,19 +34,19 @@ pub struct SectionForces {
     /// Along x, positive in tension.
     #[serde(rename = "axial_force_N")]
     pub axial_force_n: Vec<f64>,
-    /// Along y.
+    /// Shear force along y.
     #[serde(rename = "shear_y_N")]
     pub shear_y_n: Vec<f64>,
-    /// Along z.
+    /// Shear force along z.
     #[serde(rename = "shear_z_N")]
     pub shear_z_n: Vec<f64>,
-    /// About x.
+    /// Torque about x.
     #[serde(rename = "torque_N_m")]
     pub torque_n_m: Vec<f64>,
-    /// About y.
+    /// Bending moment about y.
     #[serde(rename = "moment_y_N_m")]
     pub moment_y_n_m: Vec<f64>,
-    /// About z.
+    /// Bending moment about z.
     #[serde(rename = "moment_z_N_m")]
     pub moment_z_n_m: Vec<f64>,
 }

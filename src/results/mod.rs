@@ -91,11 +91,11 @@ pub struct Diagnostic {
 }
 
 impl Diagnostic {
-    /// A remark.
+    /// A remark that is good to know.
     pub fn info(code: &'static str, message: impl Into<String>) -> Self {
         Self { level: Level::Info, code, message: message.into() }
     }
-    /// A restriction.
+    /// A remark that restricts a result.
     pub fn warning(code: &'static str, message: impl Into<String>) -> Self {
         Self { level: Level::Warning, code, message: message.into() }
     }
@@ -149,11 +149,11 @@ pub struct Modes {
 /// One natural mode of the shaft at rest.
 #[derive(Debug, Clone, Serialize)]
 pub struct Mode {
-    /// From 1.
+    /// Number of the mode, from 1.
     pub number: usize,
-    /// Circular frequency.
+    /// Circular frequency of the mode.
     pub frequency_rad_s: f64,
-    /// Frequency.
+    /// Frequency of the mode.
     pub frequency_hz: f64,
     /// What it mainly moves.
     pub kind: ModeKind,
@@ -177,7 +177,7 @@ pub struct EnergyShare {
     pub bending: f64,
     /// Sections turning about the axis.
     pub torsion: f64,
-    /// Sections deforming.
+    /// Share of sections that deform in their plane.
     pub section: f64,
 }
 
@@ -263,9 +263,9 @@ pub struct Branch {
 /// A speed at which the spin itself excites a whirl.
 #[derive(Debug, Clone, Serialize)]
 pub struct CriticalSpeed {
-    /// Speed.
+    /// Speed at which the frequency equals the speed.
     pub speed_rad_s: f64,
-    /// Speed.
+    /// The same in turns per minute.
     pub speed_rpm: f64,
     /// Name of the branch it lies on, if one of the reported branches passes there.
     pub branch: Option<String>,

@@ -120,7 +120,7 @@ pub struct Static {
     pub support_forces: SupportForces<[f64; 3]>,
     /// Forces and moments that pass through the shaft.
     pub sections: SectionForces,
-    /// Strain energy.
+    /// Strain energy of the shaft.
     pub strain_energy_j: f64,
     /// Largest principal Green-Lagrange strain, by size, on a grid of points in every element.
     pub largest_strain: f64,
@@ -198,7 +198,7 @@ pub struct OrbitSummary {
     pub harmonics: usize,
     /// Change of the motion by the last half of them, over its largest coordinate.
     pub truncation: f64,
-    /// Newton iterations.
+    /// Newton iterations in all.
     pub iterations: usize,
 }
 
@@ -207,9 +207,9 @@ pub struct OrbitSummary {
 pub struct SpinState {
     /// Time; null for the equilibrium alone.
     pub time_s: Option<f64>,
-    /// Speed.
+    /// Spin speed.
     pub speed_rad_s: f64,
-    /// Speed.
+    /// Spin speed in turns per minute.
     pub speed_rpm: f64,
     /// States at the probes.
     pub probes: Vec<ProbeState>,
@@ -233,19 +233,19 @@ pub struct SpinState {
 pub struct Extremes {
     /// Largest distance of the axis at mid-length from its place at rest.
     pub radius_m: f64,
-    /// When.
+    /// Time at which the radius is largest.
     pub radius_time_s: f64,
     /// Largest torque of the drive, by size.
     #[serde(rename = "torque_N_m")]
     pub torque_n_m: f64,
-    /// When.
+    /// Time at which the torque is largest.
     pub torque_time_s: f64,
 }
 
 /// Values at the times of the output grid.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct History {
-    /// Times.
+    /// Output times.
     pub time_s: Vec<f64>,
     /// Speed of the drive.
     pub speed_rad_s: Vec<f64>,
@@ -262,7 +262,7 @@ pub struct History {
     pub probe_growth_m: BTreeMap<String, Vec<[f64; 2]>>,
     /// Growth of a long body with free ends at that speed; circles and tubes only.
     pub closed_form_growth_m: Vec<f64>,
-    /// Energies.
+    /// Energies at each output time.
     #[serde(rename = "energy_J")]
     pub energy_j: EnergyHistory,
     /// Power of every load, by JSON path; only with loads.
@@ -327,7 +327,7 @@ pub struct StatorSummary {
     pub stator: String,
     /// Position along the shaft.
     pub at_m: f64,
-    /// Radial play.
+    /// Radial clearance between shaft and ring at rest.
     pub clearance_m: f64,
     /// Radius of the shaft's surface, on which friction acts.
     pub surface_radius_m: f64,
@@ -335,7 +335,7 @@ pub struct StatorSummary {
     pub touched: bool,
     /// Smallest gap found; below zero the largest penetration.
     pub smallest_gap_m: f64,
-    /// When.
+    /// Time at which the gap is smallest.
     pub smallest_gap_time_s: f64,
     /// Largest force towards the centre.
     #[serde(rename = "largest_normal_force_N")]
@@ -368,18 +368,18 @@ pub struct RubEvent {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RubEventKind {
-    /// Made.
+    /// Contact was made.
     Contact,
-    /// Lost.
+    /// Contact was lost.
     Release,
 }
 
 /// Energies over time.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct EnergyHistory {
-    /// Kinetic energy.
+    /// Kinetic energy at each output time.
     pub kinetic: Vec<f64>,
-    /// Strain energy.
+    /// Strain energy at each output time.
     pub strain: Vec<f64>,
     /// Potential of gravity and loads.
     pub potential: Vec<f64>,
@@ -440,11 +440,11 @@ pub struct IntegratorSummary {
     pub quadrature: String,
     /// Number of accepted steps.
     pub steps: usize,
-    /// Rejected steps.
+    /// Number of steps that were rejected.
     pub rejected: usize,
     /// Evaluations of the nonlinear forces.
     pub force_evaluations: usize,
-    /// Matrices factorised.
+    /// Number of matrices that were factorised.
     pub factorizations: usize,
     /// How many of these were made of the tangent of a deformed state.
     pub tangents: usize,

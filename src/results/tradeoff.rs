@@ -29,12 +29,12 @@ pub struct Tradeoff {
     pub choice: Option<TradeoffChoice>,
 }
 
-/// The computer.
+/// The computer that the times belong to.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Machine {
     /// Processor, as the operating system names it.
     pub processor: String,
-    /// Logical cores.
+    /// Number of logical cores.
     pub cores: usize,
 }
 
@@ -68,7 +68,7 @@ pub struct TradeoffPoint {
     pub name: String,
     /// Its settings by path.
     pub settings: Map<String, Value>,
-    /// The quantity.
+    /// Value of the quantity at this point.
     pub value: Option<f64>,
     /// |value - reference| / |reference|, but no less than the reference's own error; none for the finest point that is
     /// the reference.
@@ -102,13 +102,13 @@ pub struct TradeoffPoint {
 /// The cheapest point within the error asked for.
 #[derive(Debug, Clone, Serialize)]
 pub struct TradeoffChoice {
-    /// Its index.
+    /// Index of the chosen point.
     pub point: usize,
     /// Its settings by path.
     pub settings: Map<String, Value>,
-    /// Its error.
+    /// Relative error of the chosen point.
     pub error: f64,
-    /// Its time.
+    /// Time of the chosen point.
     pub wall_s: f64,
     /// What finer points say about it.
     pub trust: Trust,

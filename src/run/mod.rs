@@ -28,7 +28,7 @@ use std::path::Path;
 /// An analysis as the program offers it.
 #[derive(Debug)]
 pub struct Entry {
-    /// Its name.
+    /// Name of the analysis.
     pub analysis: Analysis,
     /// What it does, in the list of commands.
     pub about: &'static str,
@@ -44,7 +44,7 @@ pub struct Entry {
     pub result_keys: &'static [&'static str],
     /// How its progress is told.
     steps: fn(&LoadedCase) -> Result<Steps>,
-    /// Runs it.
+    /// Runs the analysis of a case.
     run: fn(&LoadedCase, &Host<'_>) -> Result<Finished>,
 }
 
@@ -100,7 +100,7 @@ impl Host<'_> {
 pub struct Finished {
     /// The report (see [`Report`]).
     pub json: Value,
-    /// Plots.
+    /// Figures of the run.
     pub plots: Figures,
     /// Table for the terminal.
     pub table: String,

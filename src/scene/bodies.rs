@@ -35,7 +35,7 @@ struct BodyPart<'a> {
 
 /// All bodies of a scene.
 pub struct Bodies<'a> {
-    /// The scene.
+    /// The scene that the bodies belong to.
     pub scene: &'a Scene,
     parts: Vec<BodyPart<'a>>,
     size: usize,
@@ -62,9 +62,9 @@ pub fn assemblies(scene: &Scene) -> Vec<Option<Assembly<'_>>> {
 /// Kinetic energy and momenta of a motion.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct RigidMotion {
-    /// J.
+    /// Kinetic energy, J.
     pub kinetic: f64,
-    /// kg m/s.
+    /// Momentum, kg m/s.
     pub momentum: [f64; 2],
     /// About the origin, counter-clockwise, kg m^2/s.
     pub angular_momentum: f64,

@@ -75,13 +75,13 @@ pub struct Gap {
 pub struct Hit {
     /// Curve of the nearest point.
     pub face: usize,
-    /// Its parameter.
+    /// Parameter of the nearest point on its curve, -1 to 1.
     pub zeta: f64,
     /// Whether the nearest point slides along the curve; on a kink it does not.
     pub slides: bool,
-    /// Gap, m.
+    /// Gap, m; negative in penetration.
     pub gap: f64,
-    /// Outward normal.
+    /// Outward normal of the boundary at the nearest point.
     pub normal: Vector3<f64>,
     /// What the distance is multiplied by.
     pub scale: f64,

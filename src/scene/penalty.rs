@@ -43,7 +43,7 @@ pub struct ContactSpring {
     pub positions: [f64; 2],
     /// What meets what.
     pub model: ContactModel,
-    /// The gap.
+    /// The gap that the spring closes, with its derivatives.
     pub gap: Gap,
 }
 
@@ -152,7 +152,7 @@ pub fn add(
 pub struct SpringStroke {
     /// Number of its probe.
     pub probe: usize,
-    /// Halfway.
+    /// The spring halfway between the two states.
     pub middle: ContactSpring,
     /// Gap at the first state, m.
     pub before: f64,

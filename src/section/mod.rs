@@ -51,7 +51,7 @@ impl Section {
         Self::tube(radius, 0.0)
     }
 
-    /// Circular tube.
+    /// A circular tube with those radii, m.
     pub fn tube(outer_radius: f64, inner_radius: f64) -> Self {
         Self { shape: Shape::Ellipse, outer: [outer_radius; 2], inner: [inner_radius; 2] }
     }

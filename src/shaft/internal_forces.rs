@@ -64,7 +64,7 @@ type Evaluate<'a> = &'a (dyn Fn(&dyn Kernel, &[f64], &mut [f64], &mut Scratch) +
 /// Elements and hubs of a shaft, ready to be evaluated.
 pub struct Forces<'a> {
     assembly: &'a Assembly<'a>,
-    /// Distinct elements.
+    /// One kernel for each distinct element.
     elements: Vec<Box<dyn Kernel>>,
     hubs: Hubs,
     /// First coordinate of every node of every element, and coordinates of one node.

@@ -65,7 +65,7 @@ pub struct Measurements {
 /// How a study is run.
 #[derive(Debug, Clone)]
 pub struct Conditions {
-    /// This program.
+    /// Path of this program, which runs every point.
     pub program: PathBuf,
     /// Folder of the kept points.
     pub folder: PathBuf,

@@ -14,9 +14,9 @@ use std::time::Duration;
 
 /// What to run.
 pub struct Task<'a> {
-    /// This program.
+    /// Path of this program.
     pub program: &'a Path,
-    /// Analysis.
+    /// Name of the analysis.
     pub analysis: &'static str,
     /// The case as JSON text.
     pub case: &'a str,

@@ -289,7 +289,7 @@ impl<'a> FirstOrderForm<'a> {
         v.into_iter().chain((0..along.len()).map(|i| c64::new(strain[(i, 0)], strain[(i, 1)]))).collect()
     }
 
-    /// `Q^T q`.
+    /// The elastic part of a vector in the turned basis: `Q^T q` without its rigid entries.
     fn along(&self, q: &[c64]) -> Vec<c64> {
         let r = self.reduced.n_rigid;
         match &self.turn {

@@ -21,15 +21,15 @@ use faer::{Mat, Scale};
 pub struct Operators {
     /// Frame that the coordinates belong to.
     pub frame: WhirlFrame,
-    /// `M`.
+    /// Mass matrix M, in free coordinates, kg.
     pub mass: Sparse,
     /// `K` at rest.
     pub stiffness: Sparse,
     /// `G` per unit spin speed; `None` without gyroscopic terms.
     pub gyroscopic: Option<Sparse>,
-    /// `C`.
+    /// Damping matrix C of bearings and material, N s/m; `None` without damping.
     pub damping: Option<Sparse>,
-    /// `X`.
+    /// Skew part X of the bearings' stiffness, N/m; `None` without cross-coupling.
     pub cross_coupling: Option<Sparse>,
     /// `H` per unit spin speed.
     pub circulatory: Option<Sparse>,
@@ -144,7 +144,7 @@ impl Operators {
         (!terms.is_empty()).then(|| combine(&terms))
     }
 
-    /// `K(Omega)`.
+    /// Stiffness matrix at a spin speed (rad/s), `K(Omega)`, N/m.
     pub fn stiffness_at(&self, speed: f64) -> Sparse {
         let weights = self.weights(speed);
         let mut terms = vec![(1.0, &self.stiffness)];

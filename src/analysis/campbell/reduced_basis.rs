@@ -49,7 +49,7 @@ pub struct Solution {
     pub motions: Vec<Whirling>,
     /// Number of motions that oscillate.
     pub oscillating: usize,
-    /// Overdamped motions.
+    /// Motions that creep instead of oscillating, because their damping is above the critical one.
     pub overdamped: Vec<Overdamped>,
 }
 
@@ -73,9 +73,9 @@ pub struct Reduced {
     pub frequencies: Vec<f64>,
     /// `G` per unit spin speed.
     pub gyroscopic: Option<Mat<f64>>,
-    /// `C`.
+    /// Damping matrix C on the basis.
     pub damping: Option<Mat<f64>>,
-    /// `X`.
+    /// Skew part X of the bearings' stiffness on the basis.
     pub cross_coupling: Option<Mat<f64>>,
     /// `H` per unit spin speed.
     pub circulatory: Option<Mat<f64>>,

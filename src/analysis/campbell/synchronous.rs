@@ -27,9 +27,9 @@ pub const MOST_CRITICAL_SPEEDS: usize = 200;
 
 /// A critical speed and its shape in free coordinates.
 pub struct Critical {
-    /// rad/s.
+    /// Spin speed at which the motion turns in step with the shaft, rad/s.
     pub speed: f64,
-    /// Complex shape.
+    /// Complex shape of the motion, in free coordinates.
     pub shape: Vec<c64>,
 }
 

@@ -19,7 +19,7 @@ const MOST_ITERATIONS: usize = 60;
 const CONVERGED_PER_HEIGHT: f64 = 1e-11;
 /// Correction over the height from which, after some iterations, nothing leads back.
 const LOST_PER_HEIGHT: f64 = 1e6;
-/// Those iterations.
+/// Number of iterations after which a correction beyond [`LOST_PER_HEIGHT`] ends the load step.
 const SETTLING: usize = 5;
 /// Times that a load step is halved.
 const MOST_HALVINGS: i32 = 10;
@@ -35,9 +35,9 @@ const OPPOSITE: f64 = 1e-2;
 /// Compliance that keeps coincident constraints apart, over that of the penalty of a point; it is iterated away.
 const COMPLIANCE_SHARE: f64 = 1e-3;
 
-/// An equilibrium.
+/// A state of a scene at rest, with the share of the loads that it carries.
 pub struct SceneState {
-    /// Coordinates.
+    /// Coordinates of all bodies, one body after the other.
     pub q: Vec<f64>,
     /// Share of the loads.
     pub factor: f64,

@@ -28,7 +28,7 @@ const GAINED: f64 = 0.01;
 
 /// Detection of planar or spatial bodies, in equilibrium.
 pub enum Detector {
-    /// 2322s.
+    /// Detection between planar bodies of elements 2322s.
     Planar(Box<PlanarSearch>),
     /// 3333s and 34X3.
     Spatial(Box<spatial::SpatialSearch>),
@@ -37,9 +37,9 @@ pub enum Detector {
 /// Bodies that overlap at the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overlap {
-    /// Their indices.
+    /// Indices of the two bodies that overlap.
     pub bodies: (usize, usize),
-    /// Penetration, m.
+    /// Depth of the overlap, m.
     pub depth: f64,
 }
 

@@ -24,11 +24,11 @@ const OUTPUT_TIME_SHARE: f64 = 1e-6;
 pub struct Energies {
     /// Kinetic energy, J, and momenta.
     pub motion: Momenta,
-    /// J.
+    /// Strain energy of all bodies, J.
     pub strain: f64,
     /// In springs, J.
     pub contact: f64,
-    /// Potential, J.
+    /// Potential energy of gravity, J.
     pub gravity: f64,
     /// That the loads have done, J.
     pub work: f64,
@@ -52,7 +52,7 @@ pub struct ContactTouch {
     pub positions: [f64; 2],
     /// What meets what.
     pub model: ContactModel,
-    /// m.
+    /// Penetration of the touching point, m.
     pub penetration: f64,
     /// On the slave over the step, as the integrator takes it, N.
     pub force: Vector3<f64>,
@@ -123,16 +123,16 @@ impl BodyPair {
 /// Collects what a motion leaves behind.
 pub struct SceneRecorder<'a> {
     scene: &'a Scene,
-    /// kg.
+    /// Masses of the bodies, kg.
     masses: Vec<f64>,
     pairs: Vec<BodyPair>,
-    /// Contacts.
+    /// Contacts that were made and lost so far.
     pub events: Vec<ContactEvent>,
-    /// Over time.
+    /// What is written at each output time.
     pub history: ContactHistory,
     /// Energies over time.
     pub energy: ContactEnergy,
-    /// Shapes.
+    /// Outlines of the bodies at chosen times, for drawing.
     pub snapshots: Vec<Snapshot>,
     /// Largest penetration, m.
     pub penetration: f64,
@@ -146,7 +146,7 @@ pub struct SceneRecorder<'a> {
 }
 
 impl<'a> SceneRecorder<'a> {
-    /// Nothing yet.
+    /// A record in which nothing has happened yet, with the energies at the start.
     pub fn new(bodies: &Bodies<'a>, start: Energies) -> Self {
         let scene = bodies.scene;
         let history = ContactHistory {

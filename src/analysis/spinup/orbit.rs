@@ -24,7 +24,7 @@ use std::f64::consts::TAU;
 
 /// Harmonics of the first solution; linear equations with gravity and uneven bearings need no more.
 const FIRST_HARMONICS: usize = 2;
-/// Most harmonics.
+/// Largest number of harmonics that is tried.
 const MOST_HARMONICS: usize = 16;
 /// Relative change by more harmonics at which the motion has settled.
 const SETTLED_RTOL: f64 = 1e-9;
@@ -46,7 +46,7 @@ const SLOW_RATE: f64 = 0.2;
 
 /// A periodic motion.
 pub struct Orbit {
-    /// Harmonics H.
+    /// Number of harmonics H of the motion.
     pub harmonics: usize,
     /// Change of the motion by the last harmonics, over its largest coordinate.
     pub truncation: f64,

@@ -99,11 +99,11 @@ impl Batch {
 /// A moment of a list, and its factor in a stiffness.
 #[derive(Debug, Clone, Copy)]
 pub struct Term {
-    /// Which list.
+    /// Index of the list of moments that the term reads.
     pub batch: usize,
     /// Which of the moments of its pair of directions.
     pub at: usize,
-    /// Factor.
+    /// Factor of the moment in the stiffness.
     pub factor: f64,
 }
 

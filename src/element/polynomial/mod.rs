@@ -99,7 +99,7 @@ pub struct NonlinearElement {
     tangent: PolynomialTables,
     /// Kelvin-Voigt factor, s.
     viscosity: f64,
-    /// Vector instructions.
+    /// Vector instructions that the kernels use.
     arch: Arch,
 }
 

@@ -51,7 +51,7 @@ struct Direction {
     count: usize,
     /// Powers of rho it is divided by.
     over: usize,
-    /// Harmonics.
+    /// Number of harmonics of this direction.
     harmonics: usize,
     /// Sign of the direction under theta -> -theta.
     mirrored: f64,
@@ -72,7 +72,7 @@ impl Direction {
 /// The angles 0 .. pi, each with its negative.
 #[derive(Debug, Clone)]
 struct Angles {
-    /// How many.
+    /// Number of powers of the radius in this direction.
     count: usize,
     /// `cos p theta` and `sin p theta`, `[p][angle]`.
     waves: [Vec<f64>; 2],
@@ -125,7 +125,7 @@ pub struct RingElement {
     moments: [Vec<f64>; 5],
     stations: Stations,
     tangent: RingTables,
-    /// Vector instructions.
+    /// Vector instructions that the kernels use.
     arch: Arch,
 }
 

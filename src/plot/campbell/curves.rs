@@ -13,19 +13,19 @@ pub const RPM: f64 = 60.0 / TAU;
 /// A point of a branch.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampled {
-    /// Speed, rpm.
+    /// Spin speed, rpm.
     pub rpm: f64,
-    /// Frequency, Hz.
+    /// Whirl frequency, Hz.
     pub hz: f64,
     /// Whether it grows.
     pub unstable: bool,
-    /// Sense.
+    /// Sense of the orbit at this speed.
     pub whirl: Whirl,
 }
 
 /// A branch as unbroken stretches.
 pub struct BranchCurve<'a> {
-    /// The branch.
+    /// The branch of the report that the curve shows.
     pub branch: &'a Branch,
     /// Points between which it has no gap, by ascending speed.
     pub stretches: Vec<Vec<Sampled>>,
@@ -127,9 +127,9 @@ impl<'a> BranchCurve<'a> {
 pub struct CurveMark<'a> {
     /// The critical speed.
     pub critical: &'a CriticalSpeed,
-    /// Speed, rpm.
+    /// Spin speed, rpm.
     pub rpm: f64,
-    /// Frequency, Hz.
+    /// Whirl frequency, Hz.
     pub hz: f64,
 }
 
@@ -154,7 +154,7 @@ impl CurveMark<'_> {
 pub struct Order {
     /// Hz to an rpm, times 60.
     pub slope: f64,
-    /// Name.
+    /// Name of the branch beside its curve.
     pub label: String,
 }
 

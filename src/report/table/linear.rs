@@ -4,7 +4,7 @@ use crate::report::table::{columns, short};
 use crate::results::{Branch, Campbell, Check, Modes, Whirl};
 use std::f64::consts::TAU;
 
-/// Natural modes.
+/// Table of the natural modes.
 pub fn modes(results: &Modes) -> String {
     let rows: Vec<Vec<String>> = results
         .modes

@@ -27,7 +27,7 @@ fn probes(list: &[ProbeState]) -> String {
     columns(&["probe", "x (m)", "y (m)", "z (m)", "u_x (m)", "u_y (m)", "u_z (m)", "von Mises (Pa)"], &rows)
 }
 
-/// Static equilibrium.
+/// Table of a static equilibrium: reactions, probes and sections.
 pub fn statics(results: &Static) -> String {
     let newton = &results.newton;
     let mut text = format!(

@@ -187,7 +187,7 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// Any curve.
+    /// A point may touch any curve, however deep.
     pub const ANY: Self = Self { normal: None, depth: f64::INFINITY };
 }
 

@@ -54,7 +54,7 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// In words.
+    /// Name of the axis in words.
     pub fn name(self) -> &'static str {
         match self {
             Self::Mesh => "mesh",
@@ -94,7 +94,7 @@ impl Axis {
 /// What a run of a point gave.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Measurement {
-    /// The quantity.
+    /// Value of the quantity.
     pub value: f64,
     /// Wall times of the runs, s.
     pub wall_s: Vec<f64>,
@@ -117,7 +117,7 @@ pub struct Measurement {
 /// A point that was run: its measurement, or why there is none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
-    /// Its settings.
+    /// Settings of the point.
     pub settings: PointSettings,
     /// What it gave.
     pub outcome: std::result::Result<Measurement, String>,

@@ -37,11 +37,11 @@ const REMEDY_OF_STIFFNESS: &str = "take a smaller contact.step, a smaller contac
 const ADVISED_STABLE_SHARE: f64 = 0.8;
 /// A scene in motion.
 pub struct Motion<'a> {
-    /// The bodies.
+    /// The bodies that move.
     pub bodies: &'a Bodies<'a>,
-    /// Detection.
+    /// Detection of near pairs, with the probes whose gaps are watched.
     pub search: PlanarSearch,
-    /// Coordinates.
+    /// Coordinates at the present time.
     pub q: Vec<f64>,
     /// Their rates, 1/s.
     pub v: Vec<f64>,
@@ -71,7 +71,7 @@ pub struct Motion<'a> {
 
 /// What the matrix of an energy-consistent step belongs to: it serves further iterations and steps as long as they converge.
 struct Factored {
-    /// Step, s.
+    /// Length of the step that the matrix was made for, s.
     dt: f64,
     /// Probes whose springs are compressed at either end of the step, and whether they are at the second.
     closed: Vec<(usize, bool)>,

@@ -127,7 +127,7 @@ impl Motion<'_> {
         Ok(Stepped { q: q1, v: v1, internal, contact, work, impulse, touches })
     }
 
-    /// Compressed springs.
+    /// All springs that are compressed in the state `q`.
     pub(super) fn springs(&self, q: &[f64]) -> Vec<ContactSpring> {
         self.search.springs(self.bodies, q, 0.0).into_iter().map(|(_, spring)| spring).collect()
     }

@@ -36,7 +36,7 @@ const NEIGHBOUR_HEIGHTS: f64 = 3.0;
 pub enum Kind {
     /// A Gauss point of a line contact.
     Line,
-    /// A corner.
+    /// A corner between a side and an end face.
     Corner,
     /// A node of a side.
     Node,
@@ -84,7 +84,7 @@ impl ContactProbe {
 /// What detection did.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SearchCounts {
-    /// Broad phases.
+    /// How often near pairs were looked for.
     pub searches: usize,
     /// Pairs of curves whose grown boxes overlap, last time.
     pub broad: usize,
@@ -98,7 +98,7 @@ pub struct SearchCounts {
 
 /// Detection between the boundaries of a scene.
 pub struct PlanarSearch {
-    /// All curves.
+    /// Boundary curves of all bodies.
     pub faces: Vec<BoundaryCurve>,
     /// Probes of curves that are near something, in the order of the curves.
     pub probes: Vec<ContactProbe>,
