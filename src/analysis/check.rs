@@ -44,7 +44,7 @@ pub fn check(model: &Model) -> Result<Outcome<Check>> {
     let results = Check {
         nodes: model.nodes.len(),
         unconstrained_degrees_of_freedom: assembly.numbering.len(),
-        rigid_motions,
+        rigid_motions: rigid_motions.iter().map(ToString::to_string).collect(),
         length_m: model.length,
         shaft_mass_kg: p.shaft,
         disk_mass_kg: p.disks,

@@ -14,7 +14,7 @@ use crate::linalg::dot;
 use crate::linalg::sparse::{Sparse, combine, multiply, symmetric_part};
 use crate::model::{Bearing, Element};
 use crate::shaft::acting::Acting;
-use crate::shaft::assembly::Assembly;
+use crate::shaft::assembly::{Assembly, RigidMotion};
 use crate::shaft::attachments::bearing_rows;
 use crate::shaft::internal_forces::{Forces, ScalarMass, Workspace};
 use crate::shaft::loads::{Loads, Turned, Which};
@@ -56,7 +56,7 @@ pub struct Balance<'a> {
     centrifugal: Sparse,
     motions: Mat<f64>,
     /// Names of the motions that nothing resists.
-    pub unresisted: Vec<String>,
+    pub unresisted: Vec<RigidMotion>,
 }
 
 /// States that an extrapolation goes through.

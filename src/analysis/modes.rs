@@ -28,7 +28,7 @@ pub fn modes(model: &Model) -> Result<Outcome<Modes>> {
     let assembly = Assembly::new(model);
     let spectrum = Spectrum::new(&assembly, model.modes)?;
     let character = Character::new(&assembly)?;
-    let n_rigid = spectrum.rigid_names.len();
+    let n_rigid = spectrum.rigid_motions.len();
     let residuals = spectrum.residuals();
     let mut list = Vec::new();
     for number in 1..=model.modes.min(n_rigid + spectrum.values.len()) {

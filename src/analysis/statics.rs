@@ -134,9 +134,10 @@ pub fn hub_remark(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
 /// Remark on motions that nothing resists, which are pinned.
 pub fn pinned_remark(balance: &Balance<'_>, diagnostics: &mut Vec<Diagnostic>) {
     if !balance.unresisted.is_empty() {
+        let motions: Vec<String> = balance.unresisted.iter().map(ToString::to_string).collect();
         diagnostics.push(Diagnostic::info(
             "pinned-motions",
-            format!("no support resists {}; pinned for the equilibrium", balance.unresisted.join(", ")),
+            format!("no support resists {}; pinned for the equilibrium", motions.join(", ")),
         ));
     }
 }

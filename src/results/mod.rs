@@ -121,6 +121,31 @@ pub enum ModeKind {
     Section,
 }
 
+impl ModeKind {
+    /// Name in reports and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rigid => "rigid",
+            Self::Bending => "bending",
+            Self::Torsion => "torsion",
+            Self::Axial => "axial",
+            Self::Section => "section",
+        }
+    }
+}
+
+impl Whirl {
+    /// Name in reports and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Forward => "forward",
+            Self::Backward => "backward",
+            Self::Mixed => "mixed",
+            Self::None => "none",
+        }
+    }
+}
+
 /// Sense of the orbit relative to the spin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]

@@ -10,7 +10,7 @@ use crate::linalg::gmres::gmres;
 use crate::linalg::lanczos::{self, Pencil};
 use crate::linalg::lu::SparseLu;
 use crate::linalg::sparse::{Sparse, absolute_product_norm, combine, multiply};
-use crate::shaft::assembly::Assembly;
+use crate::shaft::assembly::{Assembly, RigidMotion};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef};
 
@@ -354,7 +354,7 @@ pub struct Spectrum {
     /// Generalised inverse of the stiffness, with the rigid motions.
     pub flexibility: Flexibility,
     /// Names of the rigid motions.
-    pub rigid_names: Vec<String>,
+    pub rigid_motions: Vec<RigidMotion>,
     /// `w^2` of the modes with strain, ascending.
     pub values: Vec<f64>,
     /// Shapes of the modes in columns, in the order of the values, scaled to `x^T M x = 1`.
@@ -370,9 +370,9 @@ impl Spectrum {
     /// When the eigenvalue solver does not converge.
     pub fn new(assembly: &Assembly<'_>, wanted: usize) -> Result<Self> {
         let (mass, stiffness) = (assembly.mass(), assembly.stiffness());
-        let rigid_names = assembly.rigid_motions().0;
+        let rigid_motions = assembly.rigid_motions().0;
         let flexibility = Flexibility::at_rest(assembly, &stiffness, &mass)?;
-        let (size, n_rigid) = (assembly.size(), rigid_names.len());
+        let (size, n_rigid) = (assembly.size(), rigid_motions.len());
         let pencil = Pencil {
             size,
             rank: size - n_rigid,
@@ -401,7 +401,7 @@ impl Spectrum {
         normalise(&mass, &mut vectors);
         align(&mass, &assembly.mirror_signs(), &values, &mut vectors)?;
         normalise(&mass, &mut vectors);
-        Ok(Self { mass, stiffness, flexibility, rigid_names, values, vectors, complete })
+        Ok(Self { mass, stiffness, flexibility, rigid_motions, values, vectors, complete })
     }
 
     /// `K X`, see [`Flexibility::stiffness_times`].

@@ -144,17 +144,16 @@ fn operators(
 
 /// Supports whose spinning rotor has no steady state to linearise about.
 fn refuse_supports(assembly: &Assembly<'_>, spectrum: &Spectrum, settings: &CampbellSettings) -> Result<()> {
-    let rigid =
-        |axes: &[&str]| spectrum.rigid_names.iter().find(|n| axes.iter().any(|axis| n.contains(axis)));
-    let across = ["along y", "along z", "about y", "about z"];
+    let rigid = |among: &[usize]| spectrum.rigid_motions.iter().find(|motion| motion.has(among));
+    // translations along y and z, rotations about y and z
+    let across = [1, 2, 4, 5];
     if let (WhirlFrame::Rotating, Some(motion)) = (settings.frame, rigid(&across)) {
         let problem = format!(
             "the rotating frame needs a rotor that is held across its axis, but nothing resists {motion}"
         );
         return Err(Refusal::at("campbell.frame", problem, "\"stationary\"; or more bearings").into());
     }
-    if settings.form == Form::Consistent && rigid(&["about x"]).is_some() && assembly.holds_stretch_one_way()
-    {
+    if settings.form == Form::Consistent && rigid(&[3]).is_some() && assembly.holds_stretch_one_way() {
         return Err(Refusal::at(
             "supports",
             "a support holds the stretch of a section in a direction fixed in space while the shaft is free to turn: \

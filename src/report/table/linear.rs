@@ -15,7 +15,7 @@ pub fn modes(results: &Modes) -> String {
                 format!("{:.4}", m.frequency_rad_s),
                 format!("{:.5}", m.frequency_hz),
                 m.circumferential_order.to_string(),
-                format!("{:?}", m.kind).to_lowercase(),
+                m.kind.name().to_owned(),
             ]
         })
         .collect();
@@ -37,7 +37,7 @@ pub fn campbell(results: &Campbell) -> String {
                 hz(b.frequency_rad_s.last()),
                 if least.is_finite() { format!("{least:.4}") } else { "-".to_owned() },
                 senses(b),
-                format!("{:?}", b.kind).to_lowercase(),
+                b.kind.name().to_owned(),
             ]
         })
         .collect();
@@ -75,7 +75,7 @@ pub fn campbell(results: &Campbell) -> String {
                 format!("{:.4}", c.speed_rad_s / TAU),
                 c.branch.clone().unwrap_or_else(|| "-".to_owned()),
                 if c.damped { "damped crossing" } else { "eigenvalue" }.to_owned(),
-                format!("{:?} {:?}", c.whirl, c.kind).to_lowercase(),
+                format!("{} {}", c.whirl.name(), c.kind.name()),
             ]
         })
         .collect();
@@ -91,11 +91,10 @@ fn senses(branch: &Branch) -> String {
             list.push(*whirl);
         }
     }
-    let word = |whirl: Whirl| format!("{whirl:?}").to_lowercase();
     match list[..] {
-        [] => word(Whirl::None),
-        [.., last] if list.len() > 3 => format!("{}, .., {}", word(list[0]), word(last)),
-        _ => list.into_iter().map(word).collect::<Vec<_>>().join(", "),
+        [] => Whirl::None.name().to_owned(),
+        [.., last] if list.len() > 3 => format!("{}, .., {}", list[0].name(), last.name()),
+        _ => list.into_iter().map(Whirl::name).collect::<Vec<_>>().join(", "),
     }
 }
 

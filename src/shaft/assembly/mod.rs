@@ -8,6 +8,8 @@
 mod elimination;
 mod rigid_motions;
 
+pub use rigid_motions::RigidMotion;
+
 use crate::element::ElementMatrices;
 use crate::element::basis::rotation_matrix;
 use crate::linalg::chain::{Layout, Link};

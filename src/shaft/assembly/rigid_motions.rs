@@ -34,18 +34,30 @@ pub(super) fn null_space(rows: &[[f64; 6]]) -> Vec<[f64; 6]> {
         .collect()
 }
 
-pub(super) fn motion_name(motion: &[f64; 6]) -> String {
-    const NAMES: [&str; 6] = [
-        "translation along x",
-        "translation along y",
-        "translation along z",
-        "rotation about x",
-        "rotation about y",
-        "rotation about z",
-    ];
-    let parts: Vec<&str> =
-        NAMES.iter().zip(motion).filter(|(_, c)| c.abs() > ZERO_ROW_RTOL).map(|(name, _)| *name).collect();
-    parts.join(" with ")
+/// A motion without deformation: shares of the translations along x, y, z and of the rotations about x, y, z.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RigidMotion(pub [f64; 6]);
+
+impl RigidMotion {
+    /// Whether it has a share of one of these motions, by their places 0 to 5.
+    pub fn has(&self, motions: &[usize]) -> bool {
+        motions.iter().any(|&m| self.0[m].abs() > ZERO_ROW_RTOL)
+    }
+}
+
+impl std::fmt::Display for RigidMotion {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        const NAMES: [&str; 6] = [
+            "translation along x",
+            "translation along y",
+            "translation along z",
+            "rotation about x",
+            "rotation about y",
+            "rotation about z",
+        ];
+        let parts: Vec<&str> = (0..6).filter(|&m| self.has(&[m])).map(|m| NAMES[m]).collect();
+        f.write_str(&parts.join(" with "))
+    }
 }
 
 impl Assembly<'_> {
@@ -110,7 +122,7 @@ impl Assembly<'_> {
 
     /// Rigid motions that no constraint and no bearing stiffness resists: their names, and the free
     /// coordinates in columns.
-    pub fn rigid_motions(&self) -> (Vec<String>, Mat<f64>) {
+    pub fn rigid_motions(&self) -> (Vec<RigidMotion>, Mat<f64>) {
         let (springs, coupled) = (self.springs(), self.coupled_rows());
         self.rigid_motions_on(&springs.iter().map(|s| &s.row).chain(&coupled).collect::<Vec<_>>())
     }
@@ -123,10 +135,9 @@ impl Assembly<'_> {
 
     /// Rigid motions that no constraint resists and for which none of the displacements `held` (rows over coordinates
     /// before constraints) is above zero.
-    pub fn rigid_motions_on(&self, held: &[&Vec<(usize, f64)>]) -> (Vec<String>, Mat<f64>) {
+    pub fn rigid_motions_on(&self, held: &[&Vec<(usize, f64)>]) -> (Vec<RigidMotion>, Mat<f64>) {
         let motions = self.all_rigid_motions();
         let null = self.rigid_combinations(held);
-        let names = null.iter().map(motion_name).collect();
         let columns: Vec<Vec<f64>> = null
             .iter()
             .map(|c| {
@@ -135,7 +146,8 @@ impl Assembly<'_> {
                 self.restrict(&q)
             })
             .collect();
-        (names, Mat::from_fn(self.size(), columns.len(), |i, j| columns[j][i]))
+        let motions = null.into_iter().map(RigidMotion).collect();
+        (motions, Mat::from_fn(self.size(), columns.len(), |i, j| columns[j][i]))
     }
 
     /// The same as combinations of the six rigid motions.
@@ -198,7 +210,9 @@ mod tests {
         let pin = |x: f64| {
             [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0, 0.0, x], [0.0, 0.0, 1.0, 0.0, -x, 0.0]]
         };
-        let names = |rows: &[[f64; 6]]| -> Vec<String> { null_space(rows).iter().map(motion_name).collect() };
+        let names = |rows: &[[f64; 6]]| -> Vec<String> {
+            null_space(rows).into_iter().map(|m| RigidMotion(m).to_string()).collect()
+        };
         assert_eq!(names(&pin(0.0)), ["rotation about x", "rotation about y", "rotation about z"]);
         assert_eq!(names(&[pin(0.0), pin(2.0)].concat()), ["rotation about x"]);
         // a pin beside the origin: turning about it moves the origin, too
