@@ -10,83 +10,74 @@ use crate::section::{Section, Surface};
 use std::f64::consts::PI;
 
 impl Input<'_> {
+    /// Mass, polar and diametral inertia of a disk, given as such or by its geometry.
+    fn disk_inertias(&self, i: usize, d: &case::DiskInput) -> Result<[f64; 3]> {
+        let at = |key: &str| format!("disks.{i}.{key}");
+        let by_inertia = [
+            ("mass", d.mass.is_some()),
+            ("polar_inertia", d.polar_inertia.is_some()),
+            ("diametral_inertia", d.diametral_inertia.is_some()),
+        ];
+        let by_geometry = [
+            ("radius", d.radius.is_some()),
+            ("thickness", d.thickness.is_some()),
+            ("rho", d.rho.is_some()),
+            ("diameter", d.diameter.is_some()),
+            ("inner_radius", d.inner_radius.is_some()),
+            ("inner_diameter", d.inner_diameter.is_some()),
+            ("thickness_inertia", d.thickness_inertia.is_some()),
+        ];
+        let allowed = "either mass, polar_inertia, diametral_inertia; or radius (or diameter), thickness, rho (and inner_radius or inner_diameter, thickness_inertia)";
+        let first = |keys: &[(&'static str, bool)]| keys.iter().find(|k| k.1).map(|k| k.0);
+        match (first(&by_inertia), first(&by_geometry)) {
+            (Some(_), Some(key)) => {
+                self.fault(&at(key), "a disk is given by inertia or by geometry, not both", allowed)
+            }
+            (None, None) => self.fault(&format!("disks.{i}"), "the disk has no mass", allowed),
+            (Some(_), None) => {
+                let (Some(m), Some(p), Some(t)) = (d.mass, d.polar_inertia, d.diametral_inertia) else {
+                    let missing = by_inertia.iter().find(|k| !k.1).map_or("mass", |k| k.0);
+                    return self.fault(&at(missing), format!("the disk's \"{missing}\" is missing"), allowed);
+                };
+                Ok([
+                    self.positive(&at("mass"), m.0)?,
+                    self.not_negative(&at("polar_inertia"), p.0)?,
+                    self.not_negative(&at("diametral_inertia"), t.0)?,
+                ])
+            }
+            (None, Some(_)) => {
+                let radius = self.radius(&at, ["radius", "diameter"], [d.radius, d.diameter])?;
+                let inner =
+                    self.radius(&at, ["inner_radius", "inner_diameter"], [d.inner_radius, d.inner_diameter])?;
+                let (Some(radius), Some(thickness), Some(rho)) = (radius, d.thickness, d.rho) else {
+                    let first = usize::from(radius.is_some());
+                    let missing = by_geometry[first..3].iter().find(|k| !k.1).map_or("radius", |k| k.0);
+                    return self.fault(&at(missing), format!("the disk's \"{missing}\" is missing"), allowed);
+                };
+                let outer = self.length(&at("radius"), radius.0)?;
+                let bore = self.not_negative(&at("inner_radius"), inner.map_or(0.0, |r| r.0))?;
+                let (t, rho) =
+                    (self.length(&at("thickness"), thickness.0)?, self.positive(&at("rho"), rho.0)?);
+                if bore >= outer {
+                    return self.fault(
+                        &at("inner_radius"),
+                        "the bore is not smaller than the disk",
+                        format!("below {outer}"),
+                    );
+                }
+                let mass = rho * PI * (outer + bore) * (outer - bore) * t;
+                let polar = mass * (outer * outer + bore * bore) / 2.0;
+                let thick = if d.thickness_inertia.unwrap_or(true) { mass * t * t / 12.0 } else { 0.0 };
+                Ok([mass, polar, polar / 2.0 + thick])
+            }
+        }
+    }
+
     pub(super) fn disks(&self, mesh: &Mesh, sections: &[Section]) -> Result<Vec<Disk>> {
         let mut list: Vec<Disk> = Vec::new();
         for (i, d) in self.case.disks.iter().enumerate() {
             let at = |key: &str| format!("disks.{i}.{key}");
-            let by_inertia = [
-                ("mass", d.mass.is_some()),
-                ("polar_inertia", d.polar_inertia.is_some()),
-                ("diametral_inertia", d.diametral_inertia.is_some()),
-            ];
-            let by_geometry = [
-                ("radius", d.radius.is_some()),
-                ("thickness", d.thickness.is_some()),
-                ("rho", d.rho.is_some()),
-                ("diameter", d.diameter.is_some()),
-                ("inner_radius", d.inner_radius.is_some()),
-                ("inner_diameter", d.inner_diameter.is_some()),
-                ("thickness_inertia", d.thickness_inertia.is_some()),
-            ];
-            let allowed = "either mass, polar_inertia, diametral_inertia; or radius (or diameter), thickness, rho (and inner_radius or inner_diameter, thickness_inertia)";
-            let first = |keys: &[(&'static str, bool)]| keys.iter().find(|k| k.1).map(|k| k.0);
-            let (mass, polar, diametral) = match (first(&by_inertia), first(&by_geometry)) {
-                (Some(_), Some(key)) => {
-                    return self.fault(
-                        &at(key),
-                        "a disk is given by inertia or by geometry, not both",
-                        allowed,
-                    );
-                }
-                (None, None) => return self.fault(&format!("disks.{i}"), "the disk has no mass", allowed),
-                (Some(_), None) => {
-                    let (Some(m), Some(p), Some(t)) = (d.mass, d.polar_inertia, d.diametral_inertia) else {
-                        let missing = by_inertia.iter().find(|k| !k.1).map_or("mass", |k| k.0);
-                        return self.fault(
-                            &at(missing),
-                            format!("the disk's \"{missing}\" is missing"),
-                            allowed,
-                        );
-                    };
-                    (
-                        self.positive(&at("mass"), m.0)?,
-                        self.not_negative(&at("polar_inertia"), p.0)?,
-                        self.not_negative(&at("diametral_inertia"), t.0)?,
-                    )
-                }
-                (None, Some(_)) => {
-                    let radius = self.radius(&at, ["radius", "diameter"], [d.radius, d.diameter])?;
-                    let inner = self.radius(
-                        &at,
-                        ["inner_radius", "inner_diameter"],
-                        [d.inner_radius, d.inner_diameter],
-                    )?;
-                    let (Some(radius), Some(thickness), Some(rho)) = (radius, d.thickness, d.rho) else {
-                        let first = usize::from(radius.is_some());
-                        let missing = by_geometry[first..3].iter().find(|k| !k.1).map_or("radius", |k| k.0);
-                        return self.fault(
-                            &at(missing),
-                            format!("the disk's \"{missing}\" is missing"),
-                            allowed,
-                        );
-                    };
-                    let outer = self.length(&at("radius"), radius.0)?;
-                    let bore = self.not_negative(&at("inner_radius"), inner.map_or(0.0, |r| r.0))?;
-                    let (t, rho) =
-                        (self.length(&at("thickness"), thickness.0)?, self.positive(&at("rho"), rho.0)?);
-                    if bore >= outer {
-                        return self.fault(
-                            &at("inner_radius"),
-                            "the bore is not smaller than the disk",
-                            format!("below {outer}"),
-                        );
-                    }
-                    let mass = rho * PI * (outer + bore) * (outer - bore) * t;
-                    let polar = mass * (outer * outer + bore * bore) / 2.0;
-                    let thick = if d.thickness_inertia.unwrap_or(true) { mass * t * t / 12.0 } else { 0.0 };
-                    (mass, polar, polar / 2.0 + thick)
-                }
-            };
+            let [mass, polar, diametral] = self.disk_inertias(i, d)?;
             if diametral < polar / 2.0 * (1.0 - 1e-9) {
                 return self.fault(
                     &at("diametral_inertia"),

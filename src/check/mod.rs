@@ -1,6 +1,7 @@
 //! From a case as written to a checked [`Model`]: every rule of the case format, with its remedy.
 
 mod attachments;
+mod body;
 mod campbell;
 pub mod element_choice;
 mod loads;
@@ -223,11 +224,8 @@ impl Input<'_> {
         Ok((kinds, choices))
     }
 
-    fn segments(
-        &self,
-        (shapes, sections): (&[Section], &[String]),
-        (stuffs, materials): (&[Material], &[String]),
-    ) -> Result<(Vec<SegmentPlan>, Vec<ElementChoice>)> {
+    /// The shaft of a case that has nothing but one.
+    fn shaft(&self) -> Result<&case::Shaft> {
         let Some(shaft) = &self.case.shaft else {
             return match self.case.bodies.is_empty() {
                 true => self.fault(
@@ -255,6 +253,15 @@ impl Input<'_> {
         if shaft.segments.is_empty() {
             return self.fault("shaft.segments", "the shaft has no segments", "at least one segment");
         }
+        Ok(shaft)
+    }
+
+    fn segments(
+        &self,
+        (shapes, sections): (&[Section], &[String]),
+        (stuffs, materials): (&[Material], &[String]),
+    ) -> Result<(Vec<SegmentPlan>, Vec<ElementChoice>)> {
+        let shaft = self.shaft()?;
         let (kinds, choices) = self.kinds(shaft, (shapes, sections), (stuffs, materials))?;
         let mut plans = Vec::new();
         for (i, (segment, kind)) in shaft.segments.iter().zip(kinds).enumerate() {

@@ -4,10 +4,7 @@ use crate::case::{self, LoadedCase};
 use crate::check::memory::scene_point;
 use crate::check::{Input, LARGEST_MEMORY_BYTES};
 use crate::error::{Error, Refusal, Result};
-use crate::model::scene::{
-    Action, Beam, Body, BodyLoad, ContactSettings, Enforcement, Face, Hold, PlanarSection, Scene, Stepping,
-    Unused,
-};
+use crate::model::scene::{Beam, Body, ContactSettings, Enforcement, PlanarSection, Scene, Stepping, Unused};
 use crate::model::{Material, Model};
 use crate::section::{Section, Shape};
 use crate::units::Length;
@@ -165,7 +162,7 @@ impl Input<'_> {
     }
 
     /// Two numbers in the plane or three in space.
-    fn place(&self, path: &str, list: &[f64], planar: bool) -> Result<Vector3<f64>> {
+    pub(super) fn place(&self, path: &str, list: &[f64], planar: bool) -> Result<Vector3<f64>> {
         let (allowed, fits) = if planar {
             ("two numbers [x, y]", list.len() == 2)
         } else {
@@ -241,54 +238,8 @@ impl Input<'_> {
             }
             Ok(share.round() as usize)
         };
-        let mut supports = Vec::new();
-        for (k, support) in body.supports.iter().enumerate() {
-            let hold = match support.kind {
-                case::BodySupportKind::Clamped => Hold::Clamped,
-                case::BodySupportKind::Pinned => Hold::Pinned,
-                case::BodySupportKind::PinnedX => Hold::PinnedX,
-                case::BodySupportKind::PinnedY => Hold::PinnedY,
-            };
-            let node = node(format!("{path}.supports.{k}.at"), support.at.0)?;
-            let again = |&(other, held): &(usize, Hold)| other == node && held.meets(hold);
-            if let Some(other) = supports.iter().position(again) {
-                return self.fault(
-                    &format!("{path}.supports.{k}"),
-                    format!("`{path}.supports.{other}` holds this place already"),
-                    "one support at a place; or pinned-x and pinned-y",
-                );
-            }
-            supports.push((node, hold));
-        }
-        let mut loads = Vec::new();
-        for (k, load) in body.loads.iter().enumerate() {
-            let path = format!("{path}.loads.{k}");
-            let given = [load.force.is_some(), load.moment.is_some(), load.pressure.is_some()];
-            let allowed = "at with force or moment; or face with pressure";
-            let single = given.iter().filter(|g| **g).count() == 1;
-            if !single || load.at.is_some() == load.pressure.is_some() || load.face.is_some() != given[2] {
-                return self.fault(&path, "the load is incomplete or mixed", allowed);
-            }
-            if !planar && load.force.is_none() {
-                return self.fault(&path, "spatial bodies take forces only", "force [x, y, z]");
-            }
-            let place = |x: Option<Length>| node(format!("{path}.at"), x.map_or(0.0, |x| x.0));
-            let action = if let Some(force) = &load.force {
-                let list: Vec<f64> = force.iter().map(|f| f.0).collect();
-                Action::Force(place(load.at)?, self.place(&format!("{path}.force"), &list, planar)?)
-            } else if let Some(moment) = load.moment {
-                self.within(&format!("{path}.moment"), moment.0.abs(), 0.0, 1e30)?;
-                Action::Moment(place(load.at)?, moment.0)
-            } else {
-                let face = load.face.unwrap_or(Face::Top);
-                Action::Pressure(face, load.pressure.map_or(0.0, |p| p.0))
-            };
-            let until = match load.until {
-                Some(t) => self.positive(&format!("{path}.until"), t.0)?,
-                None => f64::INFINITY,
-            };
-            loads.push(BodyLoad { action, until });
-        }
+        let supports = self.body_supports(path, body, &node)?;
+        let loads = self.body_loads(path, body, planar, &node)?;
         Ok(Body {
             name: body.name.clone(),
             element: body.element.clone(),
@@ -429,26 +380,8 @@ impl Input<'_> {
         Ok(Matrix3::from_columns(&[x, y, x.cross(&y)]))
     }
 
-    fn contact(&self, bodies: &[Body], planar: bool) -> Result<ContactSettings> {
-        let Some(contact) = &self.case.contact else {
-            return self.fault(
-                "contact",
-                "the case has no `contact` block",
-                r#"for example "contact": { "method": "penalty", "until": 1.0, "step": 1e-3 }"#,
-            );
-        };
-        let method = match contact.method {
-            case::ContactMethod::Penalty => Enforcement::Penalty,
-            case::ContactMethod::Lcp => Enforcement::Lcp,
-            case::ContactMethod::LcpSingle => Enforcement::LcpSingle,
-            case::ContactMethod::ActiveSet => Enforcement::ActiveSet,
-            case::ContactMethod::None => Enforcement::None,
-        };
-        let until = match contact.until {
-            Some(t) => Some(self.positive("contact.until", t.0)?),
-            None => None,
-        };
-        let impulses = matches!(method, Enforcement::Lcp | Enforcement::LcpSingle);
+    /// Whether a method fits an equilibrium or a motion of these bodies.
+    fn method_fits(&self, method: Enforcement, until: Option<f64>, planar: bool) -> Result<()> {
         match (method, until) {
             (Enforcement::ActiveSet, Some(_)) => {
                 return self.fault(
@@ -476,6 +409,73 @@ impl Input<'_> {
             }
             _ => {}
         }
+        Ok(())
+    }
+
+    /// Whether every body can touch itself.
+    fn self_contact(&self, bodies: &[Body], planar: bool) -> Result<()> {
+        if !planar {
+            return self.fault("contact.self", "spatial bodies meet each other only", "false");
+        }
+        // elements nearer along the body than it can bend are left out; less than that leaves nothing
+        if let Some(b) = bodies.iter().find(|b| b.elements < 4 || b.length < 6.0 * b.height) {
+            return self.fault(
+                "contact.self",
+                format!(
+                    "`{}` can't touch itself: it has {} elements and is {:.3} heights long",
+                    b.name,
+                    b.elements,
+                    b.length / b.height
+                ),
+                "false; or at least 4 elements and 6 heights of length for every body",
+            );
+        }
+        Ok(())
+    }
+
+    /// Whether the points of contact and of the history fit into memory.
+    fn scene_fits(&self, bodies: &[Body], segments: usize, output: usize) -> Result<()> {
+        let elements: usize = bodies.iter().map(|b| b.elements).sum();
+        if segments * elements > MOST_SEGMENTS {
+            return self.fault(
+                "contact.segments",
+                format!("too many segments for {elements} elements"),
+                format!("1 to {}", MOST_SEGMENTS / elements),
+            );
+        }
+        let point = scene_point(bodies.len());
+        if output as f64 * point > LARGEST_MEMORY_BYTES {
+            return self.fault(
+                "contact.output",
+                format!(
+                    "too many points for {} bodies: they need about {:.0} GB of memory",
+                    bodies.len(),
+                    output as f64 * point / 1e9
+                ),
+                format!("2 to {:.0}", (LARGEST_MEMORY_BYTES / point).floor()),
+            );
+        }
+        Ok(())
+    }
+
+    fn contact(&self, bodies: &[Body], planar: bool) -> Result<ContactSettings> {
+        let Some(contact) = &self.case.contact else {
+            return self.fault(
+                "contact",
+                "the case has no `contact` block",
+                r#"for example "contact": { "method": "penalty", "until": 1.0, "step": 1e-3 }"#,
+            );
+        };
+        let method = match contact.method {
+            case::ContactMethod::Penalty => Enforcement::Penalty,
+            case::ContactMethod::Lcp => Enforcement::Lcp,
+            case::ContactMethod::LcpSingle => Enforcement::LcpSingle,
+            case::ContactMethod::ActiveSet => Enforcement::ActiveSet,
+            case::ContactMethod::None => Enforcement::None,
+        };
+        let until = contact.until.map(|v| self.positive("contact.until", v.0)).transpose()?;
+        let impulses = matches!(method, Enforcement::Lcp | Enforcement::LcpSingle);
+        self.method_fits(method, until, planar)?;
         let stepping = match contact.integrator {
             Some(case::SceneIntegrator::EnergyConsistent) => Stepping::EnergyConsistent,
             Some(case::SceneIntegrator::SemiImplicitEuler) => Stepping::SemiImplicit,
@@ -489,14 +489,9 @@ impl Input<'_> {
                 "semi-implicit-euler; or the method penalty",
             );
         }
-        let penalty = match contact.penalty {
-            Some(penalty) => Some(self.positive("contact.penalty", penalty.0)?),
-            None => None,
-        };
-        let point_penalty = match contact.point_penalty {
-            Some(point) => Some(self.positive("contact.point_penalty", point.0)?),
-            None => None,
-        };
+        let penalty = contact.penalty.map(|v| self.positive("contact.penalty", v.0)).transpose()?;
+        let point_penalty =
+            contact.point_penalty.map(|v| self.positive("contact.point_penalty", v.0)).transpose()?;
         let step = self.positive("contact.step", contact.step.map_or(1e-4, |s| s.0))?;
         if let Some(until) = until.filter(|t| !(t / step <= MOST_STEPS && step <= *t)) {
             return self.fault(
@@ -511,46 +506,12 @@ impl Input<'_> {
             }
             self.fault(&format!("contact.{key}"), "out of range", format!("{least} to {most}"))
         };
-        if contact.with_itself && !planar {
-            return self.fault("contact.self", "spatial bodies meet each other only", "false");
-        }
         if contact.with_itself {
-            // elements nearer along the body than it can bend are left out; less than that leaves nothing
-            if let Some(b) = bodies.iter().find(|b| b.elements < 4 || b.length < 6.0 * b.height) {
-                return self.fault(
-                    "contact.self",
-                    format!(
-                        "`{}` can't touch itself: it has {} elements and is {:.3} heights long",
-                        b.name,
-                        b.elements,
-                        b.length / b.height
-                    ),
-                    "false; or at least 4 elements and 6 heights of length for every body",
-                );
-            }
+            self.self_contact(bodies, planar)?;
         }
         let segments = whole("segments", contact.segments, 1, 1000)?;
-        let elements: usize = bodies.iter().map(|b| b.elements).sum();
-        if segments * elements > MOST_SEGMENTS {
-            return self.fault(
-                "contact.segments",
-                format!("too many segments for {elements} elements"),
-                format!("1 to {}", MOST_SEGMENTS / elements),
-            );
-        }
         let output = whole("output", contact.output, 2, 1_000_000)?;
-        let point = scene_point(bodies.len());
-        if output as f64 * point > LARGEST_MEMORY_BYTES {
-            return self.fault(
-                "contact.output",
-                format!(
-                    "too many points for {} bodies: they need about {:.0} GB of memory",
-                    bodies.len(),
-                    output as f64 * point / 1e9
-                ),
-                format!("2 to {:.0}", (LARGEST_MEMORY_BYTES / point).floor()),
-            );
-        }
+        self.scene_fits(bodies, segments, output)?;
         let corner_angle = contact.corner_angle.map_or(10.0_f64.to_radians(), |a| a.0);
         if !(0.0..=std::f64::consts::FRAC_PI_2).contains(&corner_angle) {
             return self.fault("contact.corner_angle", "out of range", "0 to 90 deg");

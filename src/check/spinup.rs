@@ -52,6 +52,47 @@ impl Input<'_> {
         Ok(StaticSettings { load_steps, max_iterations, tolerance: s.tolerance })
     }
 
+    /// The phases of the drive.
+    fn phases(&self, s: &case::SpinupInput) -> Result<Vec<Phase>> {
+        let (mut drive, mut before) = (Vec::new(), 0.0);
+        for (i, phase) in s.drive.iter().enumerate() {
+            let (path, until) = (format!("spinup.drive.{i}.until"), phase.until.0);
+            if !(until > before) {
+                let problem = if i == 0 { "the phase has no duration" } else { "the phases do not ascend" };
+                return self.fault(&path, problem, format!("a time above {before} s"));
+            }
+            self.within(&path, until, 1e-12, LONGEST_RUN_S)?;
+            let speed = phase.speed.0;
+            self.within(&format!("spinup.drive.{i}.speed"), speed.abs(), 0.0, FASTEST_DRIVE_RAD_S)?;
+            drive.push(Phase { until, speed, shape: phase.shape });
+            before = until;
+        }
+        Ok(drive)
+    }
+
+    /// The method of integration and its spectral radius at infinite frequency.
+    fn integrator(&self, s: &case::SpinupInput, fixed: bool) -> Result<(Integrator, f64)> {
+        let at = |key: &str| format!("spinup.{key}");
+        let integrator = match s.integrator {
+            case::IntegratorInput::Implicit | case::IntegratorInput::Esdirk => Integrator::Esdirk,
+            case::IntegratorInput::GeneralizedAlpha => Integrator::GeneralizedAlpha,
+            case::IntegratorInput::Adams => Integrator::Adams,
+        };
+        if integrator == Integrator::Adams && fixed {
+            let allowed = "rtol and atol with \"adams\", or an implicit integrator with a fixed step";
+            return self.fault(&at("step"), "adams chooses its steps by their error", allowed);
+        }
+        if s.rho_infinity.is_some() && integrator != Integrator::GeneralizedAlpha {
+            let allowed = "only with \"integrator\": \"generalized-alpha\"";
+            return self.fault(&at("rho_infinity"), "the integrator has no such parameter", allowed);
+        }
+        let rho_infinity = s.rho_infinity.unwrap_or(0.9);
+        if !(0.0..=1.0).contains(&rho_infinity) {
+            return self.fault(&at("rho_infinity"), "no such spectral radius", "0 to 1");
+        }
+        Ok((integrator, rho_infinity))
+    }
+
     pub(super) fn spinup(&self, mesh: &Mesh, sections: &[Section]) -> Result<Option<SpinupSettings>> {
         let Some(s) = &self.case.spinup else { return Ok(None) };
         let at = |key: &str| format!("spinup.{key}");
@@ -69,19 +110,8 @@ impl Input<'_> {
                 r#"a list such as [ { "until": 1.0, "speed": "15000 rpm" } ]"#,
             );
         }
-        let (mut drive, mut before) = (Vec::new(), 0.0);
-        for (i, phase) in s.drive.iter().enumerate() {
-            let (path, until) = (format!("spinup.drive.{i}.until"), phase.until.0);
-            if !(until > before) {
-                let problem = if i == 0 { "the phase has no duration" } else { "the phases do not ascend" };
-                return self.fault(&path, problem, format!("a time above {before} s"));
-            }
-            self.within(&path, until, 1e-12, LONGEST_RUN_S)?;
-            let speed = phase.speed.0;
-            self.within(&format!("spinup.drive.{i}.speed"), speed.abs(), 0.0, FASTEST_DRIVE_RAD_S)?;
-            drive.push(Phase { until, speed, shape: phase.shape });
-            before = until;
-        }
+        let drive = self.phases(s)?;
+        let before = drive.last().map_or(0.0, |phase| phase.until);
         let driven_node = self.driven_node(s, mesh)?;
         if driven_node.is_none() && (start_speed != 0.0 || !torque.is_empty() || turns_at_all(&drive)) {
             self.turning()?;
@@ -104,23 +134,7 @@ impl Input<'_> {
         if step.is_some_and(|step| !(step > 0.0 && step <= until)) {
             return self.fault(&at("step"), "no such step", format!("above 0, at most {until} s"));
         }
-        let integrator = match s.integrator {
-            case::IntegratorInput::Implicit | case::IntegratorInput::Esdirk => Integrator::Esdirk,
-            case::IntegratorInput::GeneralizedAlpha => Integrator::GeneralizedAlpha,
-            case::IntegratorInput::Adams => Integrator::Adams,
-        };
-        if integrator == Integrator::Adams && step.is_some() {
-            let allowed = "rtol and atol with \"adams\", or an implicit integrator with a fixed step";
-            return self.fault(&at("step"), "adams chooses its steps by their error", allowed);
-        }
-        if s.rho_infinity.is_some() && integrator != Integrator::GeneralizedAlpha {
-            let allowed = "only with \"integrator\": \"generalized-alpha\"";
-            return self.fault(&at("rho_infinity"), "the integrator has no such parameter", allowed);
-        }
-        let rho_infinity = s.rho_infinity.unwrap_or(0.9);
-        if !(0.0..=1.0).contains(&rho_infinity) {
-            return self.fault(&at("rho_infinity"), "no such spectral radius", "0 to 1");
-        }
+        let (integrator, rho_infinity) = self.integrator(s, step.is_some())?;
         if !(2..=1_000_000).contains(&s.output) {
             return self.fault(&at("output"), "no such number of output times", "2 to 1000000");
         }

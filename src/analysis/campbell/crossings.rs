@@ -34,21 +34,7 @@ impl WhirlSolver<'_> {
             return Ok(Vec::new());
         }
         if let Some(found) = &criticals {
-            if !found.complete {
-                diagnostics.push(Diagnostic::error(
-                    "critical-count",
-                    "the number of critical speeds found disagrees with the inertia count, or exceeds the limit of 200",
-                ));
-            }
-            if found.imbalance > IMBALANCE {
-                diagnostics.push(Diagnostic::warning(
-                    "critical-imbalance",
-                    format!(
-                        "a critical motion was solved to an imbalance of {:.1e} only; its speed errs by about the square",
-                        found.imbalance
-                    ),
-                ));
-            }
+            doubts(found, diagnostics);
         }
         if self.operators.is_rotating() {
             let list = criticals.map_or_else(Vec::new, |c| c.list);
@@ -297,4 +283,23 @@ fn critical_speed(
 
 fn opposite(a: Whirl, b: Whirl) -> bool {
     matches!((a, b), (Whirl::Forward, Whirl::Backward) | (Whirl::Backward, Whirl::Forward))
+}
+
+/// Says what critical speeds leave in doubt.
+fn doubts(found: &Criticals, diagnostics: &mut Vec<Diagnostic>) {
+    if !found.complete {
+        diagnostics.push(Diagnostic::error(
+            "critical-count",
+            "the number of critical speeds found disagrees with the inertia count, or exceeds the limit of 200",
+        ));
+    }
+    if found.imbalance > IMBALANCE {
+        diagnostics.push(Diagnostic::warning(
+            "critical-imbalance",
+            format!(
+                "a critical motion was solved to an imbalance of {:.1e} only; its speed errs by about the square",
+                found.imbalance
+            ),
+        ));
+    }
 }

@@ -102,6 +102,17 @@ fn sunk(depth: f64) -> StepFailure {
     )
 }
 
+/// Newton's iterations ended with that correction, m.
+fn not_converged(last: f64) -> StepFailure {
+    StepFailure::Smaller(
+        match last.is_finite() {
+            true => format!("Newton's method did not converge (last correction {last:.1e} m)"),
+            false => "Newton's method is lost: its first correction leaves all bounds".to_owned(),
+        },
+        REMEDY_OF_STIFFNESS,
+    )
+}
+
 impl From<Error> for StepFailure {
     fn from(error: Error) -> Self {
         Self::Final(error)
@@ -274,19 +285,23 @@ impl<'a> Motion<'a> {
         }
     }
 
-    fn consistent(&mut self, dt: f64, before: &[Option<Hit>]) -> std::result::Result<Stepped, StepFailure> {
-        let (bodies, n) = (self.bodies, self.bodies.len());
-        let (q0, v0, unknown) = (self.q.clone(), self.v.clone(), bodies.unknown());
+    /// After a search probes have other numbers, and springs stand between other curves.
+    fn renew_springs(&mut self) {
         let searched = self.search.counts.searches;
         if std::mem::replace(&mut self.searched, searched) != searched {
             self.springs = Sums::default();
             // probes have other numbers now
             self.factored = self.factored.take().filter(|factored| factored.closed.is_empty());
         }
+    }
+
+    fn consistent(&mut self, dt: f64, before: &[Option<Hit>]) -> std::result::Result<Stepped, StepFailure> {
+        let (bodies, n) = (self.bodies, self.bodies.len());
+        let (q0, v0, unknown) = (self.q.clone(), self.v.clone(), bodies.unknown());
+        self.renew_springs();
         // the change of the state is what is solved for: velocities from differences of places would lose digits in small steps
         let mut moved: Vec<f64> = v0.iter().map(|v| dt * v).collect();
-        let (mut force, mut load, mut inertia) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-        let mut momentum = vec![0.0; n];
+        let [mut force, mut load, mut inertia, mut momentum] = std::array::from_fn(|_| vec![0.0; n]);
         bodies.mass_times(&v0, &mut momentum);
         let mut delta = vec![0.0; bodies.free().len()];
         let mut last = f64::INFINITY;
@@ -358,13 +373,7 @@ impl<'a> Motion<'a> {
             last = size;
         }
         self.factored = None;
-        Err(StepFailure::Smaller(
-            match last.is_finite() {
-                true => format!("Newton's method did not converge (last correction {last:.1e} m)"),
-                false => "Newton's method is lost: its first correction leaves all bounds".to_owned(),
-            },
-            REMEDY_OF_STIFFNESS,
-        ))
+        Err(not_converged(last))
     }
 
     /// The converged end of an energy-consistent step.

@@ -31,6 +31,37 @@ pub(super) struct GapConstraint {
 }
 
 impl Motion<'_> {
+    /// Gives the velocities the impulses of the contacts, so that no gap closes within a step of `dt` (s), and records them.
+    fn push(
+        &mut self,
+        contacts: &[GapConstraint],
+        dt: f64,
+        v1: &mut [f64],
+        touches: &mut Vec<ContactTouch>,
+    ) -> Result<()> {
+        let single = self.bodies.scene.contact.method == Enforcement::LcpSingle;
+        let velocities: Vec<f64> = contacts
+            .iter()
+            .map(|c| {
+                let gap = if single { c.gap.value } else { c.gap.value.max(0.0) };
+                penalty::rate(&c.gradient, v1) + gap / dt
+            })
+            .collect();
+        let (impulses, change) = self.impulses(contacts, &velocities)?;
+        self.bodies.free().iter().zip(&change).for_each(|(&k, d)| v1[k] += d);
+        for (c, impulse) in contacts.iter().zip(&impulses).filter(|(_, i)| **i > 0.0) {
+            touches.push(ContactTouch {
+                bodies: c.bodies,
+                positions: c.positions,
+                model: c.model,
+                penetration: (-c.gap.value).max(0.0),
+                force: c.gap.pull() * (impulse / dt),
+                within: [0.0, 1.0],
+            });
+        }
+        Ok(())
+    }
+
     pub(super) fn semi_implicit(
         &mut self,
         dt: f64,
@@ -77,25 +108,7 @@ impl Motion<'_> {
             }
         }
         if !contacts.is_empty() {
-            let velocities: Vec<f64> = contacts
-                .iter()
-                .map(|c| {
-                    let gap = if single { c.gap.value } else { c.gap.value.max(0.0) };
-                    penalty::rate(&c.gradient, &v1) + gap / dt
-                })
-                .collect();
-            let (impulses, change) = self.impulses(&contacts, &velocities)?;
-            bodies.free().iter().zip(&change).for_each(|(&k, d)| v1[k] += d);
-            for (c, impulse) in contacts.iter().zip(&impulses).filter(|(_, i)| **i > 0.0) {
-                touches.push(ContactTouch {
-                    bodies: c.bodies,
-                    positions: c.positions,
-                    model: c.model,
-                    penetration: (-c.gap.value).max(0.0),
-                    force: c.gap.pull() * (impulse / dt),
-                    within: [0.0, 1.0],
-                });
-            }
+            self.push(&contacts, dt, &mut v1, &mut touches)?;
         }
         let mut q1: Vec<f64> = self.q.iter().zip(&v1).map(|(q, v)| q + dt * v).collect();
         let moved: Vec<f64> = self.q.iter().zip(&q1).map(|(a, b)| b - a).collect();
