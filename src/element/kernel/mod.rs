@@ -3,3 +3,4 @@
 pub mod pair_stiffness;
 pub mod simd;
 pub mod stations;
+pub mod vectorised;

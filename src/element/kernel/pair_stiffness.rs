@@ -213,6 +213,11 @@ impl Expansion {
         }
     }
 
+    /// Number of coordinates.
+    pub fn size(&self) -> usize {
+        3 * self.n_nodes * self.n_vectors
+    }
+
     /// Numbers that hold the moments at the nodes.
     pub fn at_nodes(&self) -> usize {
         NODE_PAIRS * self.at_nodes
@@ -327,7 +332,7 @@ impl Expansion {
     /// code, it moves single numbers.
     pub(in crate::element) fn write(&self, scratch: &mut Scratch, tangent: &mut [f64]) {
         let (n, nodes, starts) = (self.n_vectors, self.n_nodes, &self.starts);
-        let size = 3 * nodes * n;
+        let size = self.size();
         let all: &mut [[[f64; NODE_PAIRS]; 9]] = cast_slice_mut(scratch.take(self.stiffness_size()));
         for l in 0..n {
             symmetrise(&mut all[starts[l]]);

@@ -5,59 +5,53 @@ use crate::element::kernel::pair_stiffness::{PAIRS, place};
 use crate::element::kernel::simd::{Scratch, take};
 use crate::element::polynomial::section_polynomials::{add_half_square, add_products, contract};
 use crate::element::polynomial::{DEGREE, NonlinearElement};
-use pulp::{Simd, WithSimd};
+use pulp::Simd;
 
-/// Adds up the force; returns the energy.
-pub(super) struct PolynomialForce<'a> {
-    pub element: &'a NonlinearElement,
-    pub q: &'a [f64],
-    pub velocity: Option<&'a [f64]>,
-    pub force: &'a mut [f64],
-    pub scratch: &'a mut Scratch,
-}
-
-impl WithSimd for PolynomialForce<'_> {
-    type Output = f64;
-
+impl NonlinearElement {
+    /// The force of all stations; returns the energy.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let Self { element, q, velocity, force, scratch } = self;
-        let monomials: usize = element.fields.iter().sum();
-        let (grid, largest) = (element.grid, element.classes[0].places.len());
+    pub(super) fn add_up<S: Simd>(
+        &self,
+        simd: S,
+        q: &[f64],
+        velocity: Option<&[f64]>,
+        force: &mut [f64],
+        scratch: &mut Scratch,
+    ) -> f64 {
+        let monomials: usize = self.fields.iter().sum();
+        let (grid, largest) = (self.grid, self.classes[0].places.len());
         let mut pool = scratch.take(S::F64_LANES * (3 * 3 * monomials + 2 * 6 * grid + 6 * largest));
         let [f, rate, p] = [(); 3].map(|()| take::<[S::f64s; 3]>(&mut pool, monomials));
         let [strains, t] = [(); 2].map(|()| take::<[S::f64s; 6]>(&mut pool, grid));
         let stresses = take::<[S::f64s; 6]>(&mut pool, largest);
-        let weights = S::as_simd_f64s(&element.stations.weights).0;
+        let weights = S::as_simd_f64s(&self.stations.weights).0;
         let mut energy = 0.0;
         force.fill(0.0);
-        for batch in 0..element.stations.count.div_ceil(S::F64_LANES) {
-            element.gradient(simd, q, batch, f);
-            element.strains(simd, f, strains);
+        for batch in 0..self.stations.count.div_ceil(S::F64_LANES) {
+            self.gradient(simd, q, batch, f);
+            self.strains(simd, f, strains);
             if let Some(velocity) = velocity {
-                element.gradient(simd, velocity, batch, rate);
-                element.add_strain_rates(simd, f, rate, strains);
+                self.gradient(simd, velocity, batch, rate);
+                self.add_strain_rates(simd, f, rate, strains);
             }
-            element.stress_moments(simd, strains, stresses, t);
+            self.stress_moments(simd, strains, stresses, t);
             if velocity.is_none() {
-                let density = element.energy_density(simd, strains, t);
+                let density = self.energy_density(simd, strains, t);
                 energy += simd.reduce_sum_f64s(simd.mul_f64s(weights[batch], density));
             }
-            let fields = element.columns(f);
+            let fields = self.columns(f);
             let mut rest = &mut *p;
             for alpha in 0..3 {
-                let (p, others) = rest.split_at_mut(element.fields[alpha]);
+                let (p, others) = rest.split_at_mut(self.fields[alpha]);
                 let pairs = [place(alpha, 0), place(alpha, 1), place(alpha, 2)];
-                contract(simd, &element.places, (t, pairs), fields, p);
+                contract(simd, &self.places, (t, pairs), fields, p);
                 rest = others;
             }
-            element.add_force(simd, p, batch, force);
+            self.add_force(simd, p, batch, force);
         }
         energy
     }
-}
 
-impl NonlinearElement {
     /// Strains on the grid from F: tensor components xx, yy, zz, twice those for xy, xz, yz.
     #[inline(always)]
     fn strains<S: Simd>(&self, simd: S, f: &[[S::f64s; 3]], strains: &mut [[S::f64s; 6]]) {

@@ -15,21 +15,20 @@ mod force;
 mod section_polynomials;
 mod tangent;
 
-use crate::element::Kernel;
 use crate::element::continuum::lame;
-use crate::element::kernel::pair_stiffness::place;
+use crate::element::kernel::pair_stiffness::{Expansion, place};
 use crate::element::kernel::simd::Scratch;
 use crate::element::kernel::stations::Stations;
+use crate::element::kernel::vectorised::Vectorised;
 use crate::element::quadrature::section_rule;
 use crate::instructions::Instructions;
 use crate::model::{ElementKind, Law, Material, Quadrature};
 use crate::section::Section;
 use crate::section::basis::exponents;
-use force::PolynomialForce;
 use nalgebra::Matrix3;
 use pulp::{Arch, Simd};
 use section_polynomials::{Class, count, place_on_grid};
-use tangent::{PolynomialTables, PolynomialTangent};
+use tangent::PolynomialTables;
 
 /// Degree of the products of each pair of directions xx yy zz xy xz yz, as an index of [`Class::counts`].
 const DEGREE: [usize; 6] = [2, 0, 0, 1, 1, 0];
@@ -223,31 +222,33 @@ impl NonlinearElement {
     }
 }
 
-impl Kernel for NonlinearElement {
-    fn size(&self) -> usize {
-        3 * self.stations.n_nodes() * self.n_vectors
+impl Vectorised for NonlinearElement {
+    fn arch(&self) -> Arch {
+        self.arch
     }
 
-    fn internal_force(
+    fn viscosity(&self) -> f64 {
+        self.viscosity
+    }
+
+    fn expansion(&self) -> &Expansion {
+        &self.tangent.expansion
+    }
+
+    #[inline(always)]
+    fn force<S: Simd>(
         &self,
+        simd: S,
         q: &[f64],
         velocity: Option<&[f64]>,
         force: &mut [f64],
         scratch: &mut Scratch,
     ) -> f64 {
-        let velocity = velocity.filter(|_| self.viscosity != 0.0);
-        self.arch.dispatch(PolynomialForce { element: self, q, velocity, force, scratch })
+        self.add_up(simd, q, velocity, force, scratch)
     }
 
-    fn tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
-        self.arch.dispatch(PolynomialTangent { element: self, q, geometric: true, scratch });
-        self.tangent.expansion.write(scratch, tangent);
-    }
-
-    // the part of the tangent that stems from the law alone, without stress, times beta
-    fn viscous_tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
-        self.arch.dispatch(PolynomialTangent { element: self, q, geometric: false, scratch });
-        self.tangent.expansion.write(scratch, tangent);
-        tangent.iter_mut().for_each(|v| *v *= self.viscosity);
+    #[inline(always)]
+    fn stiffness<S: Simd>(&self, simd: S, q: &[f64], geometric: bool, scratch: &mut Scratch) {
+        self.pair_stiffness(simd, q, geometric, scratch);
     }
 }

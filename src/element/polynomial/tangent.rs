@@ -43,8 +43,8 @@ use crate::element::kernel::stations::Stations;
 use crate::element::polynomial::section_polynomials::{Class, IN_ORDER, count};
 use crate::element::polynomial::{DEGREE, NonlinearElement, Roles};
 use crate::section::basis::exponents;
+use pulp::Simd;
 use pulp::bytemuck::{cast_slice, cast_slice_mut};
-use pulp::{Simd, WithSimd};
 
 /// Vectors of working memory for each monomial of a class: squares, strains and an integrand.
 const WORK: usize = 18 + 3 + 9;
@@ -148,45 +148,6 @@ impl PolynomialTables {
     }
 }
 
-/// The stiffness of all pairs of vectors into the working memory.
-pub(super) struct PolynomialTangent<'a> {
-    pub element: &'a NonlinearElement,
-    pub q: &'a [f64],
-    pub geometric: bool,
-    pub scratch: &'a mut Scratch,
-}
-
-impl WithSimd for PolynomialTangent<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { element, q, geometric, scratch } = self;
-        let expansion = &element.tangent.expansion;
-        let of_class = expansion.batches.iter().map(|batch| batch.length()).max().unwrap_or(0);
-        let batches = element.stations.count.div_ceil(S::F64_LANES);
-        let (monomials, largest) = (element.fields.iter().sum::<usize>(), element.classes[0].places.len());
-        let vectors = batches * (3 * monomials + of_class) + WORK * largest;
-        let stiffness = expansion.stiffness_size();
-        let mut pool = scratch.take(stiffness + expansion.at_nodes() + S::F64_LANES * vectors);
-        let stiffness = take::<S::f64s>(&mut pool, stiffness / S::F64_LANES);
-        let at_nodes = take::<f64>(&mut pool, expansion.at_nodes());
-        let f = take::<[S::f64s; 3]>(&mut pool, batches * monomials);
-        let at_stations = take::<S::f64s>(&mut pool, batches * of_class);
-        for (batch, f) in f.chunks_exact_mut(monomials).enumerate() {
-            element.gradient(simd, q, batch, f);
-        }
-        for c in 0..4 {
-            let length = expansion.batches[c].length();
-            for (f, moments) in f.chunks_exact(monomials).zip(at_stations.chunks_exact_mut(length)) {
-                element.tangent_moments(simd, c, element.columns(f), geometric, pool, moments);
-            }
-            expansion.along_axis(simd, c, cast_slice(at_stations), at_nodes);
-        }
-        expansion.stiffness(simd, cast_slice(at_nodes), stiffness);
-    }
-}
-
 /// Nine sums of products `a_i[e] b_j[f]`, by rows.
 #[inline(always)]
 fn outer<S: Simd>(simd: S, pairs: &[(u16, u16)], a: &[[S::f64s; 3]], b: &[[S::f64s; 3]]) -> [S::f64s; 9] {
@@ -203,6 +164,33 @@ fn outer<S: Simd>(simd: S, pairs: &[(u16, u16)], a: &[[S::f64s; 3]], b: &[[S::f6
 }
 
 impl NonlinearElement {
+    /// The stiffness of all pairs of vectors into the working memory.
+    #[inline(always)]
+    pub(super) fn pair_stiffness<S: Simd>(&self, simd: S, q: &[f64], geometric: bool, scratch: &mut Scratch) {
+        let expansion = &self.tangent.expansion;
+        let of_class = expansion.batches.iter().map(|batch| batch.length()).max().unwrap_or(0);
+        let batches = self.stations.count.div_ceil(S::F64_LANES);
+        let (monomials, largest) = (self.fields.iter().sum::<usize>(), self.classes[0].places.len());
+        let vectors = batches * (3 * monomials + of_class) + WORK * largest;
+        let stiffness = expansion.stiffness_size();
+        let mut pool = scratch.take(stiffness + expansion.at_nodes() + S::F64_LANES * vectors);
+        let stiffness = take::<S::f64s>(&mut pool, stiffness / S::F64_LANES);
+        let at_nodes = take::<f64>(&mut pool, expansion.at_nodes());
+        let f = take::<[S::f64s; 3]>(&mut pool, batches * monomials);
+        let at_stations = take::<S::f64s>(&mut pool, batches * of_class);
+        for (batch, f) in f.chunks_exact_mut(monomials).enumerate() {
+            self.gradient(simd, q, batch, f);
+        }
+        for c in 0..4 {
+            let length = expansion.batches[c].length();
+            for (f, moments) in f.chunks_exact(monomials).zip(at_stations.chunks_exact_mut(length)) {
+                self.tangent_moments(simd, c, self.columns(f), geometric, pool, moments);
+            }
+            expansion.along_axis(simd, c, cast_slice(at_stations), at_nodes);
+        }
+        expansion.stiffness(simd, cast_slice(at_nodes), stiffness);
+    }
+
     /// Moments `A_ab,ij` of a class at a batch of stations.
     #[inline(always)]
     fn tangent_moments<S: Simd>(

@@ -4,62 +4,10 @@
 use crate::element::kernel::pair_stiffness::PAIRS;
 use crate::element::kernel::simd::{Scratch, take};
 use crate::element::ring::{RingElement, product};
-use pulp::{Simd, WithSimd};
+use pulp::Simd;
 
 /// Rows of a law that are multiplied together.
 const ROWS: usize = 3;
-
-/// Adds up the force; returns the energy.
-pub(super) struct RingForce<'a> {
-    pub element: &'a RingElement,
-    pub q: &'a [f64],
-    pub velocity: Option<&'a [f64]>,
-    pub force: &'a mut [f64],
-    pub scratch: &'a mut Scratch,
-}
-
-impl WithSimd for RingForce<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let Self { element, q, velocity, force, scratch } = self;
-        let (n, sets, products) = (element.coefficients(), element.sets(), element.products[6]);
-        let mut pool = scratch.take(S::F64_LANES * (3 * 3 * n + 3 * 6 * sets + 2 * 2 * products));
-        let [f, rate, sums] = [(); 3].map(|()| take::<[S::f64s; 3]>(&mut pool, n));
-        let [at, rate_at, p] = [(); 3].map(|()| take::<[[S::f64s; 2]; 3]>(&mut pool, sets));
-        let [strains, t] = [(); 2].map(|()| take::<[S::f64s; 2]>(&mut pool, products));
-        let weights = S::as_simd_f64s(&element.stations.weights).0;
-        let mut energy = 0.0;
-        force.fill(0.0);
-        for batch in 0..element.stations.count.div_ceil(S::F64_LANES) {
-            element.gradient(simd, q, batch, f);
-            if let Some(velocity) = velocity {
-                element.gradient(simd, velocity, batch, rate);
-            }
-            sums.fill([simd.splat_f64s(0.0); 3]);
-            let mut density = simd.splat_f64s(0.0);
-            for j in 0..element.angles.count {
-                element.at_angle(simd, j, f, at);
-                element.strains(simd, at, strains);
-                if velocity.is_some() {
-                    element.at_angle(simd, j, rate, rate_at);
-                    element.add_strain_rates(simd, at, rate_at, strains);
-                }
-                element.stress_moments(simd, strains, t);
-                let weight = simd.splat_f64s(element.angles.weight(j));
-                density = simd.mul_add_e_f64s(weight, work(simd, strains, t), density);
-                element.contract(simd, t, at, p);
-                element.add_waves(simd, j, p, sums);
-            }
-            if velocity.is_none() {
-                energy += 0.5 * simd.reduce_sum_f64s(simd.mul_f64s(weights[batch], density));
-            }
-            element.add_force(simd, sums, batch, force);
-        }
-        energy
-    }
-}
 
 /// `S : E` of both sides.
 #[inline(always)]
@@ -84,6 +32,52 @@ fn add_dot<S: Simd>(simd: S, a: &[[S::f64s; 2]; 3], b: &[[S::f64s; 2]; 3], sum: 
 }
 
 impl RingElement {
+    /// The force of all stations; returns the energy.
+    #[inline(always)]
+    pub(super) fn add_up<S: Simd>(
+        &self,
+        simd: S,
+        q: &[f64],
+        velocity: Option<&[f64]>,
+        force: &mut [f64],
+        scratch: &mut Scratch,
+    ) -> f64 {
+        let (n, sets, products) = (self.coefficients(), self.sets(), self.products[6]);
+        let mut pool = scratch.take(S::F64_LANES * (3 * 3 * n + 3 * 6 * sets + 2 * 2 * products));
+        let [f, rate, sums] = [(); 3].map(|()| take::<[S::f64s; 3]>(&mut pool, n));
+        let [at, rate_at, p] = [(); 3].map(|()| take::<[[S::f64s; 2]; 3]>(&mut pool, sets));
+        let [strains, t] = [(); 2].map(|()| take::<[S::f64s; 2]>(&mut pool, products));
+        let weights = S::as_simd_f64s(&self.stations.weights).0;
+        let mut energy = 0.0;
+        force.fill(0.0);
+        for batch in 0..self.stations.count.div_ceil(S::F64_LANES) {
+            self.gradient(simd, q, batch, f);
+            if let Some(velocity) = velocity {
+                self.gradient(simd, velocity, batch, rate);
+            }
+            sums.fill([simd.splat_f64s(0.0); 3]);
+            let mut density = simd.splat_f64s(0.0);
+            for j in 0..self.angles.count {
+                self.at_angle(simd, j, f, at);
+                self.strains(simd, at, strains);
+                if velocity.is_some() {
+                    self.at_angle(simd, j, rate, rate_at);
+                    self.add_strain_rates(simd, at, rate_at, strains);
+                }
+                self.stress_moments(simd, strains, t);
+                let weight = simd.splat_f64s(self.angles.weight(j));
+                density = simd.mul_add_e_f64s(weight, work(simd, strains, t), density);
+                self.contract(simd, t, at, p);
+                self.add_waves(simd, j, p, sums);
+            }
+            if velocity.is_none() {
+                energy += 0.5 * simd.reduce_sum_f64s(simd.mul_f64s(weights[batch], density));
+            }
+            self.add_force(simd, sums, batch, force);
+        }
+        energy
+    }
+
     /// Strains from F: tensor components of equal directions, twice those of different ones.
     #[inline(always)]
     fn strains<S: Simd>(&self, simd: S, f: &[[[S::f64s; 2]; 3]], strains: &mut [[S::f64s; 2]]) {

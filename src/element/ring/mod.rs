@@ -16,20 +16,19 @@
 mod force;
 mod tangent;
 
-use crate::element::Kernel;
 use crate::element::continuum::lame;
-use crate::element::kernel::pair_stiffness::{PAIRS, place};
+use crate::element::kernel::pair_stiffness::{Expansion, PAIRS, place};
 use crate::element::kernel::simd::Scratch;
 use crate::element::kernel::stations::Stations;
+use crate::element::kernel::vectorised::Vectorised;
 use crate::element::ring_functions::{RingFunctions, monomials};
 use crate::instructions::Instructions;
 use crate::model::{ElementKind, Material, Quadrature};
 use crate::section::Section;
 use crate::section::basis::{SectionBasis, ring_functions};
-use force::RingForce;
 use pulp::{Arch, Simd};
 use std::f64::consts::PI;
-use tangent::{RingTables, RingTangent};
+use tangent::RingTables;
 
 /// Share of the moments that the points across the wall may leave out.
 const LEFT_OUT_MOMENT_SHARE: f64 = 1e-17;
@@ -263,32 +262,34 @@ impl RingElement {
     }
 }
 
-impl Kernel for RingElement {
-    fn size(&self) -> usize {
-        3 * self.stations.n_nodes() * self.n_vectors
+impl Vectorised for RingElement {
+    fn arch(&self) -> Arch {
+        self.arch
     }
 
-    fn internal_force(
+    fn viscosity(&self) -> f64 {
+        self.viscosity
+    }
+
+    fn expansion(&self) -> &Expansion {
+        &self.tangent.expansion
+    }
+
+    #[inline(always)]
+    fn force<S: Simd>(
         &self,
+        simd: S,
         q: &[f64],
         velocity: Option<&[f64]>,
         force: &mut [f64],
         scratch: &mut Scratch,
     ) -> f64 {
-        let velocity = velocity.filter(|_| self.viscosity != 0.0);
-        self.arch.dispatch(RingForce { element: self, q, velocity, force, scratch })
+        self.add_up(simd, q, velocity, force, scratch)
     }
 
-    fn tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
-        self.arch.dispatch(RingTangent { element: self, q, geometric: true, scratch });
-        self.tangent.expansion.write(scratch, tangent);
-    }
-
-    // the part of the tangent that stems from the law alone, without stress, times beta
-    fn viscous_tangent(&self, q: &[f64], tangent: &mut [f64], scratch: &mut Scratch) {
-        self.arch.dispatch(RingTangent { element: self, q, geometric: false, scratch });
-        self.tangent.expansion.write(scratch, tangent);
-        tangent.iter_mut().for_each(|v| *v *= self.viscosity);
+    #[inline(always)]
+    fn stiffness<S: Simd>(&self, simd: S, q: &[f64], geometric: bool, scratch: &mut Scratch) {
+        self.pair_stiffness(simd, q, geometric, scratch);
     }
 }
 

@@ -41,8 +41,8 @@ use crate::element::kernel::pair_stiffness::{Expansion, PAIRS, TRANSPOSED, Term,
 use crate::element::kernel::simd::{Scratch, take};
 use crate::element::kernel::stations::Stations;
 use crate::element::ring::{Direction, RingElement, Role};
+use pulp::Simd;
 use pulp::bytemuck::cast_slice;
-use pulp::{Simd, WithSimd};
 
 /// Entries of the moduli that are turned to waves together.
 const ENTRIES: usize = 3;
@@ -114,59 +114,46 @@ fn products([(m, first), (n, second)]: [(usize, bool); 2]) -> Vec<(f64, usize, b
     list.into_iter().filter(|(_, number, sine)| *number > 0 || !sine).collect()
 }
 
-/// The stiffness of all pairs of vectors into the working memory.
-pub(super) struct RingTangent<'a> {
-    pub element: &'a RingElement,
-    pub q: &'a [f64],
-    pub geometric: bool,
-    pub scratch: &'a mut Scratch,
-}
-
-impl WithSimd for RingTangent<'_> {
-    type Output = ();
-
+impl RingElement {
+    /// The stiffness of all pairs of vectors into the working memory.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { element, q, geometric, scratch } = self;
-        let RingTables { entries, expansion } = &element.tangent;
-        let (length, angles, n) =
-            (expansion.batches[0].length(), element.angles.count, element.coefficients());
-        let batches = element.stations.count.div_ceil(S::F64_LANES);
-        let normal = element.products[3];
+    pub(super) fn pair_stiffness<S: Simd>(&self, simd: S, q: &[f64], geometric: bool, scratch: &mut Scratch) {
+        let RingTables { entries, expansion } = &self.tangent;
+        let (length, angles, n) = (expansion.batches[0].length(), self.angles.count, self.coefficients());
+        let batches = self.stations.count.div_ceil(S::F64_LANES);
+        let normal = self.products[3];
         let vectors =
-            batches * length + 3 * n + 6 * element.sets() + (2 * 12 + 18) * normal + 2 * angles * entries[6];
+            batches * length + 3 * n + 6 * self.sets() + (2 * 12 + 18) * normal + 2 * angles * entries[6];
         let mut pool =
             scratch.take(expansion.stiffness_size() + expansion.at_nodes() + S::F64_LANES * vectors);
         let stiffness = take::<S::f64s>(&mut pool, expansion.stiffness_size() / S::F64_LANES);
         let at_nodes = take::<f64>(&mut pool, expansion.at_nodes());
         let at_stations = take::<S::f64s>(&mut pool, batches * length);
         let f = take::<[S::f64s; 3]>(&mut pool, n);
-        let at = take::<[[S::f64s; 2]; 3]>(&mut pool, element.sets());
+        let at = take::<[[S::f64s; 2]; 3]>(&mut pool, self.sets());
         let [squares, integrands] = [(); 2].map(|()| take::<[[S::f64s; 2]; 6]>(&mut pool, normal));
         let products = take::<[[S::f64s; 2]; 9]>(&mut pool, normal);
         let moduli = take::<[S::f64s; 2]>(&mut pool, angles * entries[6]);
         for (batch, moments) in at_stations.chunks_exact_mut(length).enumerate() {
-            element.gradient(simd, q, batch, f);
+            self.gradient(simd, q, batch, f);
             for (j, moduli) in moduli.chunks_exact_mut(entries[6]).enumerate() {
-                element.at_angle(simd, j, f, at);
-                element.squares(simd, at, squares);
+                self.at_angle(simd, j, f, at);
+                self.squares(simd, at, squares);
                 for p in 0..3 {
-                    element.normal_moduli(simd, p, squares, integrands, geometric, moduli);
+                    self.normal_moduli(simd, p, squares, integrands, geometric, moduli);
                 }
                 for p in 3..6 {
-                    element.shear_moduli(simd, p, at, products, geometric, moduli);
+                    self.shear_moduli(simd, p, at, products, geometric, moduli);
                 }
             }
             for p in 0..6 {
-                element.waves_of_moduli(simd, p, moduli, moments);
+                self.waves_of_moduli(simd, p, moduli, moments);
             }
         }
         expansion.along_axis(simd, 0, cast_slice(at_stations), at_nodes);
         expansion.stiffness(simd, cast_slice(at_nodes), stiffness);
     }
-}
 
-impl RingElement {
     /// Products `F_ai F_aj`, by the six components ij = 00 11 22 01 02 12, of the three columns.
     #[inline(always)]
     fn squares<S: Simd>(&self, simd: S, f: &[[[S::f64s; 2]; 3]], squares: &mut [[[S::f64s; 2]; 6]]) {
