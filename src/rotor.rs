@@ -2,9 +2,8 @@
 
 use crate::analysis::{self, Outcome};
 use crate::case::{Case, LoadedCase};
-use crate::error::{Error, Refusal, Result};
+use crate::error::Result;
 use crate::model::Model;
-use crate::model::scene::Scene;
 use crate::results::{Campbell, Check, Contact, Modes, Spinup, Static};
 use crate::run::{self, Analysis, Finished, Host};
 use serde_json::{Map, Value, json};
@@ -113,7 +112,8 @@ impl Rotor {
     /// # Ok::<(), rotor::Error>(())
     /// ```
     pub fn check(&self) -> Result<Outcome<Check>> {
-        self.of_model(analysis::check::check)
+        // it tells the memory that the other analyses need
+        self.of_model(Model::new, analysis::check::check)
     }
 
     /// Natural frequencies and mode shapes at rest.
@@ -127,7 +127,7 @@ impl Rotor {
     /// # Ok::<(), rotor::Error>(())
     /// ```
     pub fn modes(&self) -> Result<Outcome<Modes>> {
-        self.of_model(analysis::modes::modes)
+        self.of_model(run::affordable, analysis::modes::modes)
     }
 
     /// Whirl frequencies over speed and critical speeds; needs the block `campbell`.
@@ -142,8 +142,8 @@ impl Rotor {
     /// # Ok::<(), rotor::Error>(())
     /// ```
     pub fn campbell(&self) -> Result<Outcome<Campbell>> {
-        self.of_model(|model| {
-            let settings = model.campbell.as_ref().ok_or_else(|| missing("campbell"))?;
+        self.of_model(run::affordable, |model| {
+            let settings = run::needed(model.campbell.as_ref(), run::entry(Analysis::Campbell))?;
             analysis::campbell::campbell(model, settings, Host::silent().progress)
         })
     }
@@ -159,7 +159,7 @@ impl Rotor {
     /// # Ok::<(), rotor::Error>(())
     /// ```
     pub fn statics(&self) -> Result<Outcome<Static>> {
-        self.of_model(analysis::statics::statics)
+        self.of_model(run::affordable, analysis::statics::statics)
     }
 
     /// Run up to speed, or the steady state at speed; needs the block `spinup`.
@@ -173,8 +173,8 @@ impl Rotor {
     /// # Ok::<(), rotor::Error>(())
     /// ```
     pub fn spinup(&self) -> Result<Outcome<Spinup>> {
-        self.of_model(|model| {
-            let settings = model.spinup.as_ref().ok_or_else(|| missing("spinup"))?;
+        self.of_model(run::affordable, |model| {
+            let settings = run::needed(model.spinup.as_ref(), run::entry(Analysis::Spinup))?;
             analysis::spinup::spinup(model, settings, Host::silent().watch)
         })
     }
@@ -190,10 +190,8 @@ impl Rotor {
     /// # Ok::<(), rotor::Error>(())
     /// ```
     pub fn contact(&self) -> Result<Outcome<Contact>> {
-        let found = Scene::new(&self.loaded).and_then(|scene| {
-            run::without_overlap(&scene)?;
-            analysis::contact::contact(&scene, Host::silent().watch)
-        });
+        let found = run::scene_without_overlap(&self.loaded)
+            .and_then(|scene| analysis::contact::contact(&scene, Host::silent().watch));
         found.map_err(|error| self.loaded.locate(error))
     }
 
@@ -213,21 +211,15 @@ impl Rotor {
         run::run(&self.loaded, analysis, &Host { plots: figures, ..Host::silent() })
     }
 
-    /// An analysis of the checked model.
-    fn of_model<R>(&self, analysis: impl FnOnce(&Model) -> Result<Outcome<R>>) -> Result<Outcome<R>> {
-        let found = Model::new(&self.loaded).and_then(|model| analysis(&model));
+    /// An analysis of the checked model, with doubts about the values of the case.
+    fn of_model<R>(
+        &self,
+        model: fn(&LoadedCase) -> Result<Model>,
+        analysis: impl FnOnce(&Model) -> Result<Outcome<R>>,
+    ) -> Result<Outcome<R>> {
+        let found = model(&self.loaded).and_then(|model| Ok(run::doubted(&model, analysis(&model)?)));
         found.map_err(|error| self.loaded.locate(error))
     }
-}
-
-/// The block that an analysis can't do without.
-fn missing(block: &str) -> Error {
-    Refusal::at(
-        block,
-        format!("the case has no `{block}` block"),
-        format!("RotorBuilder::set(\"{block}\", ..)"),
-    )
-    .into()
 }
 
 /// A rotor that is being built in Rust. All numbers are SI.

@@ -6,8 +6,7 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::report::table;
 use crate::results::Diagnostic;
-use crate::run::contact::scene_without_overlap;
-use crate::run::{Entry, Finished, Host, Steps, checked, finish, report};
+use crate::run::{Entry, Finished, Host, Steps, checked, finish, report, scene_without_overlap};
 
 pub const ENTRY: Entry = Entry {
     analysis: Analysis::Check,

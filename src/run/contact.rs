@@ -54,7 +54,7 @@ pub fn scene_without_overlap(loaded: &LoadedCase) -> Result<Scene> {
 ///
 /// # Errors
 /// The pair, and by how much it overlaps.
-pub fn without_overlap(scene: &Scene) -> Result<()> {
+fn without_overlap(scene: &Scene) -> Result<()> {
     let Some(overlap) = overlap(scene)? else { return Ok(()) };
     let (a, b) = overlap.bodies;
     let names = [a, b].map(|i| &scene.bodies[i].name);

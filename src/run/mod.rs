@@ -12,7 +12,7 @@ mod spinup;
 mod statics;
 
 pub use crate::case::Analysis;
-pub(crate) use contact::without_overlap;
+pub(crate) use contact::scene_without_overlap;
 
 use crate::analysis::{Counter, Outcome, Watch, plausibility};
 use crate::case::{CaseKind, LoadedCase};
@@ -128,7 +128,7 @@ pub fn steps(loaded: &LoadedCase, analysis: Analysis) -> Result<Steps> {
 }
 
 /// The checked model of a run that there is memory for.
-fn affordable(loaded: &LoadedCase) -> Result<Model> {
+pub(crate) fn affordable(loaded: &LoadedCase) -> Result<Model> {
     let model = Model::new(loaded)?;
     afford(memory(&model).iter().map(|share| share.bytes).sum())?;
     Ok(model)
@@ -158,7 +158,7 @@ fn free_memory() -> Option<f64> {
 }
 
 /// The settings in a block of the case that an analysis can't do without.
-fn needed<'a, T>(settings: Option<&'a T>, entry: &Entry) -> Result<&'a T> {
+pub(crate) fn needed<'a, T>(settings: Option<&'a T>, entry: &Entry) -> Result<&'a T> {
     let name = entry.analysis.name();
     settings.ok_or_else(|| {
         let example = format!("for example \"{name}\": {}", entry.block.unwrap_or("{}"));
@@ -166,10 +166,15 @@ fn needed<'a, T>(settings: Option<&'a T>, entry: &Entry) -> Result<&'a T> {
     })
 }
 
-/// The report of an outcome, with doubts about the values of the case.
-fn checked<R>(loaded: &LoadedCase, model: &Model, mut outcome: Outcome<R>) -> Report<R> {
+/// An outcome with doubts about the values of the case.
+pub(crate) fn doubted<R>(model: &Model, mut outcome: Outcome<R>) -> Outcome<R> {
     outcome.diagnostics.extend(plausibility::plausibility(model));
-    report(loaded, outcome)
+    outcome
+}
+
+/// The report of an outcome, with doubts about the values of the case.
+fn checked<R>(loaded: &LoadedCase, model: &Model, outcome: Outcome<R>) -> Report<R> {
+    report(loaded, doubted(model, outcome))
 }
 
 /// The report of an outcome.
