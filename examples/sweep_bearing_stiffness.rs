@@ -1,9 +1,10 @@
 //! Critical speeds of a rotor over the stiffness of its bearings.
 
 use rotor::Rotor;
+use rotor::results::CriticalSpeed;
 
-/// Sweeps and prints.
-pub fn main() -> rotor::Result<()> {
+/// A disk of 20 kg on a shaft between two bearings.
+pub fn shaft() -> rotor::Result<Rotor> {
     let mut shaft = Rotor::builder("a disk between two bearings")
         .material("steel", 210e9, 0.3, 7850.0)
         .circle("round", 0.03)
@@ -13,14 +14,23 @@ pub fn main() -> rotor::Result<()> {
     for at in [0.0, 1.0] {
         shaft = shaft.bearing(at, [[1e6, 0.0], [0.0, 1e6]]);
     }
-    let shaft = shaft.build()?;
-    for k in [1e6, 3e6, 1e7, 3e7, 1e8] {
-        let bearing = vec![vec![k, 0.0], vec![0.0, k]];
-        let stiffer =
-            shaft.with("supports.0.stiffness", bearing.clone())?.with("supports.1.stiffness", bearing)?;
-        let criticals = stiffer.campbell()?.results.critical_speeds;
-        let rpm: Vec<String> = criticals.iter().map(|c| format!("{:.0}", c.speed_rpm)).collect();
-        println!("{k:.0e} N/m: {} rpm", rpm.join(", "));
+    shaft.build()
+}
+
+/// Its critical speeds with another stiffness of both bearings, N/m.
+pub fn critical_speeds(shaft: &Rotor, stiffness: f64) -> rotor::Result<Vec<CriticalSpeed>> {
+    let bearing = vec![vec![stiffness, 0.0], vec![0.0, stiffness]];
+    let other = shaft.with("supports.0.stiffness", bearing.clone())?.with("supports.1.stiffness", bearing)?;
+    Ok(other.campbell()?.results.critical_speeds)
+}
+
+/// Sweeps and prints.
+pub fn main() -> rotor::Result<()> {
+    let shaft = shaft()?;
+    for stiffness in [1e6, 3e6, 1e7, 3e7, 1e8] {
+        let found = critical_speeds(&shaft, stiffness)?;
+        let rpm: Vec<String> = found.iter().map(|c| format!("{:.0}", c.speed_rpm)).collect();
+        println!("{stiffness:.0e} N/m: {} rpm", rpm.join(", "));
     }
     Ok(())
 }

@@ -9,6 +9,7 @@ mod growth_of_a_tube;
 #[allow(dead_code)]
 #[path = "../../examples/mesh_refinement.rs"]
 mod mesh_refinement;
+#[allow(dead_code)]
 #[path = "../../examples/sweep_bearing_stiffness.rs"]
 mod sweep_bearing_stiffness;
 #[allow(dead_code)]
@@ -16,11 +17,46 @@ mod sweep_bearing_stiffness;
 mod two_beams_in_contact;
 
 use rotor::Rotor;
+use rotor::results::Whirl;
 
-/// Stiffer bearings raise every critical speed, towards those of pins.
+/// On soft bearings the shaft is rigid: with the displacement u of its middle and the tilt t, L = 1,
+/// `w^2 [[m, s], [s, J -+ P]] (u, t) = 2 k [[1, 0], [0, 1/4]] (u, t)`, - for forward and + for backward whirl. Stiffer bearings raise
+/// every critical speed.
 #[test]
 fn a_bearing_stiffness_is_swept() {
-    sweep_bearing_stiffness::main().expect("runs");
+    let shaft = sweep_bearing_stiffness::shaft().expect("a rotor");
+    let found = |stiffness: f64| sweep_bearing_stiffness::critical_speeds(&shaft, stiffness).expect("runs");
+    let (rod, radius, disk, off) = (7850.0 * std::f64::consts::PI * 0.03_f64.powi(2), 0.03_f64, 20.0, -0.1);
+    let (mass, static_moment, polar) = (rod + disk, disk * off, rod * radius * radius / 2.0 + 0.25);
+    let across = rod * (1.0 / 12.0 + radius * radius / 4.0) + 0.13 + disk * off * off;
+    let soft = 1e3;
+    let ours = found(soft);
+    assert_eq!(ours.len(), 4, "{ours:?}");
+    for (whirl, sign) in [(Whirl::Forward, -1.0), (Whirl::Backward, 1.0)] {
+        let inertia = across + sign * polar;
+        // determinant of K - x M, x = w^2
+        let (a, b) = (mass * inertia - static_moment * static_moment, 2.0 * soft * (inertia + mass / 4.0));
+        let root = (b * b - 4.0 * a * soft * soft).sqrt();
+        let rigid = [b - root, b + root].map(|x| (x / (2.0 * a)).sqrt());
+        let ours: Vec<f64> = ours.iter().filter(|c| c.whirl == whirl).map(|c| c.speed_rad_s).collect();
+        for (ours, rigid) in ours.iter().zip(rigid) {
+            assert!((ours / rigid - 1.0).abs() < 5e-4, "{whirl:?}: {ours} {rigid}");
+        }
+        assert_eq!(ours.len(), 2, "{whirl:?}");
+    }
+    let first = [1e3, 1e6, 3e6, 1e7, 3e7, 1e8].map(|k| [0, 1].map(|i| found(k)[i].speed_rad_s));
+    assert!(first.windows(2).all(|k| k[0][0] < k[1][0] && k[0][1] < k[1][1]), "{first:?}");
+}
+
+/// The typed results carry the remarks of the report: here Young's modulus in GPa, taken for Pa.
+#[test]
+fn typed_results_doubt_the_values_as_the_report_does() {
+    let slip = sweep_bearing_stiffness::shaft().and_then(|shaft| shaft.with("materials.steel.E", 210));
+    let slip = slip.expect("a rotor");
+    let typed = slip.check().expect("runs").diagnostics;
+    let reported = slip.report(rotor::Analysis::Check, false).expect("runs").diagnostics;
+    assert!(typed.iter().any(|d| d.code == "implausible" && d.message.contains("materials.steel.E")));
+    assert_eq!(format!("{typed:?}"), format!("{reported:?}"));
 }
 
 #[test]

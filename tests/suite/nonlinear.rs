@@ -173,6 +173,12 @@ fn kelvin_voigt_forces_dissipate_and_ignore_rotation() {
             let sum: f64 = (0..n).map(|j| c[j * n + i] * v[j]).sum();
             assert!((sum - f[i]).abs() < 1e-10 * largest(&f), "{name} {i}: {sum} {}", f[i]);
         }
+        // without stress the tangent is the law alone: beta times it
+        let (straight, mut k) = (straight(kind), vec![0.0; n * n]);
+        element.viscous_tangent(&straight, &mut c, &mut Scratch::default());
+        element.tangent(&straight, &mut k, &mut Scratch::default());
+        let error: Vec<f64> = c.iter().zip(&k).map(|(c, k)| c - MATERIAL.stiffness_damping * k).collect();
+        assert!(largest(&error) < 1e-12 * largest(&c), "{name}: {:e}", largest(&error) / largest(&c));
     }
 }
 

@@ -265,14 +265,17 @@ fn material_damping_is_the_rate_of_the_force() {
         let mut k = vec![0.0; q.len() * q.len()];
         element.viscous_tangent(&q, &mut k, &mut Scratch::default());
         let viscous: Vec<f64> = f.iter().zip(&elastic).map(|(a, b)| a - b).collect();
-        let expected: Vec<f64> = (0..q.len())
-            .map(|i| {
-                let row: f64 = (0..q.len()).map(|j| k[j * q.len() + i] * velocity[j]).sum();
-                row
-            })
-            .collect();
+        let expected: Vec<f64> =
+            (0..q.len()).map(|i| (0..q.len()).map(|j| k[j * q.len() + i] * velocity[j]).sum()).collect();
         let error: Vec<f64> = viscous.iter().zip(&expected).map(|(a, b)| a - b).collect();
         assert!(largest(&error) < 1e-12 * largest(&expected), "{kind:?} {:e}", largest(&error));
+        // without stress the tangent is the law alone: beta times it
+        let straight = straight(kind);
+        element.viscous_tangent(&straight, &mut k, &mut Scratch::default());
+        let elastic = tangent(&element, &straight);
+        let damping = Mat::from_fn(q.len(), q.len(), |i, j| k[j * q.len() + i]);
+        let error = (&damping - STEEL.stiffness_damping * &elastic).norm_max();
+        assert!(error < 1e-12 * damping.norm_max(), "{kind:?} {error:e}");
     }
 }
 

@@ -202,6 +202,38 @@ fn orbits_do_not_change_with_the_mesh() {
     }
 }
 
+/// Disks out of their axis by 1e-3 and 1e-6 of the above, on uneven bearings: the same closed form, over meshes, beside a short
+/// neighbour and with other members.
+#[test]
+fn small_motions_on_uneven_bearings_are_the_closed_form() {
+    let (ky, kz, speed) = (STIFFNESS, 2.25 * STIFFNESS, 120.0);
+    let part = |length: f64, elements: usize| json!({ "length": length, "elements": elements, "section": "shaft", "material": "light" });
+    for (offset, segments, element) in [
+        (5e-7, json!([part(0.4, 10)]), "34X3"),
+        (5e-10, json!([part(0.4, 10)]), "34X3"),
+        (5e-7, json!([part(0.4, 40)]), "34X3"),
+        (5e-7, json!([part(0.2, 4), part(4e-5, 1), part(0.19996, 4)]), "34X3"),
+        (5e-7, json!([part(0.4, 10)]), "34X2"),
+    ] {
+        let set =
+            json!({ "disks.0.offset": [offset, 0], "shaft.segments": segments, "shaft.element": element });
+        let found = run(&jeffcott([[ky, 0.0], [0.0, kz]], [[20.0, 0.0], [0.0, 40.0]], speed, set)).results;
+        let forced = |k: f64, c: f64| {
+            MASS * offset * speed * speed / Complex::new(k - MASS * speed * speed, c * speed)
+        };
+        let (y, z) = (forced(ky, 20.0), forced(kz, 40.0));
+        let history = found.history.as_ref().expect("one turn");
+        for (t, u) in history.time_s.iter().zip(&history.mid_span_m) {
+            let turned = Complex::new(0.0, speed * t).exp();
+            let off = (u[1] - (y * turned).re).hypot(u[2] - (z * turned).im);
+            assert!(
+                off < 2e-4 * y.norm().max(z.norm()),
+                "{segments} {element} {offset} at {t}: {u:?} {y} {z}"
+            );
+        }
+    }
+}
+
 /// A balanced shaft, and one whose disk is a hundredth of a millimetre out of its axis, on uneven bearings: motions that are small beside
 /// what rounding moves are found, and are as linear as they are small.
 #[test]
