@@ -4,10 +4,10 @@
 //! rotation about x (torsion) and the rest (section), orthogonal in the section's mass. Harmonics are
 //! the eigenspaces of `D_theta - J` (n = 0 axial and torsion, 1 bending, 2 ovalling, ..).
 
-use crate::element::basis::{AxialProducts, SectionProducts, rotation_matrix};
+use crate::element::basis::{AxialProducts, SectionProducts, rotation_with_kinks};
 use crate::error::Result;
 use crate::linalg::dense::self_adjoint;
-use crate::model::Element;
+use crate::model::{Element, Field};
 use crate::results::{EnergyShare, ModeKind};
 use crate::section::Section;
 use crate::section::basis::SectionBasis;
@@ -50,10 +50,9 @@ impl<'a> Character<'a> {
     /// When a small eigenproblem fails.
     pub fn new(assembly: &'a Assembly<'a>) -> Result<Self> {
         let model = assembly.model;
-        let (mut keys, mut splits, mut of_element) =
-            (Vec::<(usize, SectionBasis)>::new(), Vec::new(), Vec::new());
+        let (mut keys, mut splits, mut of_element) = (Vec::<Field>::new(), Vec::new(), Vec::new());
         for element in &model.elements {
-            let key = (element.section, element.kind.basis);
+            let key = element.field();
             let at = match keys.iter().position(|k| *k == key) {
                 Some(at) => at,
                 None => {
@@ -81,7 +80,7 @@ impl<'a> Character<'a> {
             let q = self.assembly.expand(part);
             for (element, (split, factor)) in self.assembly.model.elements.iter().zip(&self.of_element) {
                 let split = &self.splits[*split];
-                let field = 3 * element.kind.n_vectors();
+                let field = 3 * element.n_vectors();
                 let index = self.assembly.element_coordinates(element);
                 let nodal = Mat::from_fn(field, factor.nrows(), |k, node| q[index[node * field + k]]);
                 let nodal = nodal * factor;
@@ -120,8 +119,9 @@ impl<'a> Character<'a> {
 
 impl Split {
     fn new(element: &Element, section: &Section, reference_length: f64) -> Result<Self> {
-        let basis = element.kind.basis;
-        let mass = SectionProducts::new(basis, section, reference_length).plain().clone();
+        let (basis, kinks) = (element.kind.basis, &element.kinks);
+        let products = |section| SectionProducts::with_kinks(basis, kinks, section, reference_length);
+        let mass = products(section).plain().clone();
         let n = mass.nrows();
         // unit motions: x, y, z, tilt about z, tilt about y, rotation about x
         let shapes: [&[(usize, usize, f64)]; 6] = [
@@ -151,8 +151,9 @@ impl Split {
             SectionBasis::Monomials(_) => Section::circle(size),
             SectionBasis::Ring { .. } => Section::tube(size, size * section.inner[0] / section.outer[0]),
         };
-        let round_mass = SectionProducts::new(basis, &round, reference_length).plain().clone();
-        let (harmonics, waves) = harmonics(&round_mass, basis)?;
+        let round_mass = products(&round).plain().clone();
+        let most = kinks.functions().iter().map(|f| f.waves).fold(most_waves(basis), usize::max);
+        let (harmonics, waves) = harmonics(&round_mass, &rotation_with_kinks(basis, kinks), most)?;
         Ok(Self { motions, mass, harmonics, order: waves })
     }
 
@@ -174,14 +175,21 @@ impl Split {
     }
 }
 
+/// Largest number of waves of the functions of a basis.
+fn most_waves(basis: SectionBasis) -> usize {
+    match basis {
+        SectionBasis::Monomials(order) => order,
+        SectionBasis::Ring { harmonics, .. } => harmonics,
+    }
+}
+
 /// Rows whose squares sum to the energy of each harmonic of a round section, and the number of waves of each row.
 ///
 /// The generator T of rotations has the eigenvalues `+-i n`, whole numbers, so the part of a field with n waves is
 /// `P_n y`, `P_n = prod_(m != n) (T^2 + m^2) / (m^2 - n^2)`: no eigenproblem of the mass A, whose smallest
 /// eigenvalues are rounding on thin walls. The rows are a square root of `P_n^T A P_n`.
-fn harmonics(mass: &Mat<f64>, basis: SectionBasis) -> Result<(Mat<f64>, Vec<usize>)> {
+fn harmonics(mass: &Mat<f64>, turn: &Mat<f64>, most: usize) -> Result<(Mat<f64>, Vec<usize>)> {
     let n = 3 * mass.nrows();
-    let turn = rotation_matrix(basis);
     let full = Mat::from_fn(n, n, |i, j| if i % 3 == j % 3 { mass[(i / 3, j / 3)] } else { 0.0 });
     let generator = Mat::from_fn(n, n, |i, j| {
         let moved = if i % 3 == j % 3 { turn[(i / 3, j / 3)] } else { 0.0 };
@@ -192,13 +200,9 @@ fn harmonics(mass: &Mat<f64>, basis: SectionBasis) -> Result<(Mat<f64>, Vec<usiz
         };
         moved - turned
     });
-    let most = 1 + match basis {
-        SectionBasis::Monomials(order) => order,
-        SectionBasis::Ring { harmonics, .. } => harmonics,
-    };
     let mut rows: Vec<Vec<f64>> = Vec::new();
     let mut waves = Vec::new();
-    for (number, part) in projectors(&generator, most).iter().enumerate() {
+    for (number, part) in projectors(&generator, 1 + most).iter().enumerate() {
         let energy = part.transpose() * &full * part;
         let (values, vectors) = self_adjoint(energy.as_ref())?;
         // what is no larger than rounding carries no energy

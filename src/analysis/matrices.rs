@@ -1,7 +1,7 @@
 //! `rotor matrices`: the unconstrained system matrices in physical units.
 
 use crate::linalg::sparse::Sparse;
-use crate::model::{Gyroscopic, Model};
+use crate::model::{Field, Gyroscopic, Model, Node};
 use crate::results::{MatrixRow, PhysicalMatrix};
 use crate::shaft::assembly::Assembly;
 
@@ -12,8 +12,7 @@ pub fn matrices(model: &Model) -> (Vec<MatrixRow>, Vec<PhysicalMatrix>) {
     let mut rows = Vec::new();
     let mut scale = Vec::new();
     for (node, at) in model.nodes.iter().enumerate() {
-        let basis = at.field.basis;
-        for (vector, power) in basis.names().into_iter().zip(basis.scales()) {
+        for (vector, power) in free_vectors(&assembly, node) {
             for component in ["x", "y", "z"] {
                 rows.push(MatrixRow { node: node + 1, x_m: at.x, vector: vector.clone(), component });
                 scale.push(model.reference_length.powi(power));
@@ -61,4 +60,20 @@ pub fn matrices(model: &Model) -> (Vec<MatrixRow>, Vec<PhysicalMatrix>) {
         ),
     ];
     (rows, list)
+}
+
+/// Names of the vectors of a node whose coordinates are free, and the powers of the reference length in them: its own, and
+/// kinked ones of a neighbour.
+fn free_vectors(assembly: &Assembly<'_>, node: usize) -> Vec<(String, i32)> {
+    let Node { field, follower, .. } = assembly.model.nodes[node];
+    let of = |field: Field| {
+        let kinks = field.kinks.names().into_iter().map(|name| (name, 0));
+        field.basis.names().into_iter().zip(field.basis.scales()).chain(kinks).collect::<Vec<_>>()
+    };
+    let mut list = of(field);
+    list.extend(follower.map(of).unwrap_or_default());
+    let free = assembly.free_among(assembly.numbering.of_node(node));
+    let start = assembly.numbering.index(node, 0, 0);
+    let is_free = |vector: usize| free.contains(&(start + 3 * vector));
+    list.into_iter().enumerate().filter(|(vector, _)| is_free(*vector)).map(|(_, of)| of).collect()
 }

@@ -65,7 +65,8 @@ fn nonlinear_summary(model: &Model, degrees_of_freedom: usize) -> ModelSummary {
 fn contents(model: &Model, law: Modelled, degrees_of_freedom: usize, mass_kg: f64) -> ModelSummary {
     let mut members: Vec<String> = Vec::new();
     for element in &model.elements {
-        let name = element.kind.name();
+        let with = if element.kinks.is_empty() { "" } else { " with kinks" };
+        let name = element.kind.name() + with;
         if !members.contains(&name) {
             members.push(name);
         }
@@ -116,6 +117,7 @@ fn model_remarks(model: &Model, assembly: &Assembly<'_>) -> Vec<Diagnostic> {
     crate::accuracy::locking_and_rounding::bore_remarks(model, &mut list);
     crate::accuracy::locking_and_rounding::estimates(model, assembly, &mut list);
     points::point_remarks(model, &mut list);
+    steps::kink_remarks(assembly, &mut list);
     steps::step_remarks(assembly, &mut list);
     list
 }

@@ -104,7 +104,7 @@ fn shape(assembly: &Assembly<'_>, q: &[f64], share: &EnergyShare) -> ModeShape {
     let mut means: Option<(Field, Vec<f64>)> = None;
     for (e, element) in model.elements.iter().enumerate() {
         let section = &model.sections[element.section];
-        let field = Field { basis: element.kind.basis, section: element.section };
+        let field = element.field();
         if means.as_ref().is_none_or(|(of, _)| *of != field) {
             means = Some((field, functions(model, field).means(section)));
         }
@@ -133,7 +133,7 @@ fn shape(assembly: &Assembly<'_>, q: &[f64], share: &EnergyShare) -> ModeShape {
     let element = &model.elements[e];
     let section = &model.sections[element.section];
     let field = field_at(assembly, q, e, xi);
-    let functions = functions(model, Field { basis: element.kind.basis, section: element.section });
+    let functions = functions(model, element.field());
     shape.section_x_m = element.x + element.length * (xi + 1.0) / 2.0;
     for inner in [false, true].into_iter().take(1 + usize::from(section.is_hollow())) {
         let outline = section.outline(inner, OUTLINE_POINTS);
@@ -151,7 +151,7 @@ fn shape(assembly: &Assembly<'_>, q: &[f64], share: &EnergyShare) -> ModeShape {
 /// Section vectors (rows) at `xi` of an element.
 fn field_at(assembly: &Assembly<'_>, q: &[f64], e: usize, xi: f64) -> Mat<f64> {
     let element = &assembly.model.elements[e];
-    let n_vectors = element.kind.n_vectors();
+    let n_vectors = element.n_vectors();
     let index = assembly.element_coordinates(element);
     let values: Vec<f64> = lagrange(element.kind.axial_degree).iter().map(|l| evaluate(l, xi)).collect();
     Mat::from_fn(n_vectors, 3, |k, c| {

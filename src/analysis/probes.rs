@@ -2,7 +2,7 @@
 
 use crate::element::basis::{derivative, evaluate, lagrange};
 use crate::element::polynomial::stress_at;
-use crate::model::{Element, Field, Hub, Model, SectionHold, SupportKind};
+use crate::model::{Element, Hub, Model, SectionHold, SupportKind};
 use crate::results::{PointState, ProbeState, Profile, Stress};
 use crate::section::{Section, Shape};
 use crate::shaft::assembly::Assembly;
@@ -28,9 +28,9 @@ pub fn element_at(model: &Model, x: f64) -> &Element {
 /// value and its gradient (1/m).
 fn shape(assembly: &Assembly<'_>, e: &Element, [x, y, z]: [f64; 3]) -> Vec<(usize, f64, [f64; 3])> {
     let xi = (2.0 * (x - e.x) / e.length - 1.0).clamp(-1.0, 1.0);
-    let field = Field { basis: e.kind.basis, section: e.section };
+    let field = e.field();
     let functions = functions(assembly.model, field).at(y, z);
-    let mut list = Vec::with_capacity(e.kind.n_nodes() * e.kind.n_vectors());
+    let mut list = Vec::with_capacity(e.kind.n_nodes() * e.n_vectors());
     for (i, l) in lagrange(e.kind.axial_degree).iter().enumerate() {
         let (value, slope) = (evaluate(l, xi), evaluate(&derivative(l), xi) * 2.0 / e.length);
         let first = assembly.numbering.of_element(e, i);

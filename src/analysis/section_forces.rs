@@ -199,7 +199,7 @@ impl<'a> ForceReader<'a> {
         let mass = &self.assembly.element_matrices(index).mass;
         let damping = model.materials[e.material].mass_damping;
         let gravity = Vector3::from(acting.axes.seen(model.gravity)) * acting.load;
-        let vectors = e.kind.n_vectors();
+        let vectors = e.n_vectors();
         let starts: Vec<usize> = (0..e.kind.n_nodes()).map(|i| numbering.of_element(e, i)).collect();
         let places = || starts.iter().flat_map(|start| (0..vectors).map(move |k| (start + 3 * k, k == 0)));
         let felt: Vec<Vector3<f64>> = places()

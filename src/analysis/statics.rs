@@ -8,6 +8,7 @@ use crate::analysis::probes::in_rigid_hub;
 use crate::analysis::probes::{axis_displacement, largest_strain, probe_states, profile};
 use crate::analysis::section_forces::ForceReader;
 use crate::analysis::stations::headline;
+use crate::analysis::steps::stress_remarks;
 use crate::analysis::{Outcome, model_remarks, nonlinear_summary};
 use crate::error::{Error, Result};
 use crate::linalg::dot;
@@ -54,6 +55,7 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
     pinned_remark(&balance, &mut diagnostics);
     hub_remark(model, &mut diagnostics);
     pressure_remarks(model, &mut diagnostics);
+    stress_remarks(model, &mut diagnostics);
     bending_remark(&assembly, &q, &mut diagnostics);
     let station = headline(model);
     let largest = largest_strain(&assembly, &q);

@@ -7,9 +7,12 @@
 
 use crate::analysis::character::Character;
 use crate::analysis::joint::{JointSide, Pull, missing_flexibility};
+use crate::check::steps::SHARE_LEFT;
 use crate::model::{Element, Hub, Model};
 use crate::results::{Diagnostic, ModeKind};
+use crate::section::Section;
 use crate::section::basis::SectionBasis;
+use crate::section::kinks::Kink;
 use crate::shaft::assembly::Assembly;
 use crate::shaft::spectrum::Spectrum;
 use faer::{Mat, c64};
@@ -20,6 +23,14 @@ const TOLD: f64 = 5e-3;
 const MOTIONS: usize = 16;
 /// Bending, torsional and axial motions that count, of each kind.
 const COUNTED: usize = 4;
+/// Ratio of radii up to which a joint with kinks of [`SETTLED_EFFORT`] misses less than [`TOLD`] and is not looked at.
+const SETTLED_RATIO: f64 = 3.0;
+/// Effort at a joint that leaves so little.
+const SETTLED_EFFORT: usize = 3;
+/// Length of a disk over its reach beyond the shaft below which its own bending is looked at.
+const PLATE: f64 = 0.5;
+/// Distance from a step over the smaller radius within which a stress depends on the functions of the section.
+const SINGULAR: f64 = 0.5;
 /// Steps whose places are named.
 const NAMED: usize = 8;
 /// The member that shares most functions, for comparison.
@@ -49,6 +60,27 @@ pub struct Excess {
     pub best: f64,
 }
 
+/// Share of what the joint of two elements misses that their kinks leave.
+fn share_left(elements: [&Element; 2], sections: [&Section; 2]) -> f64 {
+    let Some(common) = sections[0].common(sections[1]) else { return 1.0 };
+    let kinks: Vec<Kink> = elements.iter().flat_map(|e| e.kinks.iter()).collect();
+    let share = |edge: f64| {
+        let degree = |apart: std::ops::Range<f64>| {
+            let near = |k: &&Kink| apart.contains(&((k.radius - edge).abs() / common.outer[0]));
+            kinks.iter().filter(near).map(|k| k.degree).max().unwrap_or(0)
+        };
+        match (degree(0.0..1e-6), degree(1e-6..0.3)) {
+            (0, _) => SHARE_LEFT[0],
+            (1, _) => SHARE_LEFT[1],
+            (_, beside) => SHARE_LEFT[2 + beside.min(2)],
+        }
+    };
+    let [a, b] = sections;
+    let of_outer = if a.outer == b.outer { 0.0 } else { share(common.outer[0]) };
+    let of_bore = if a.inner == b.inner { 0.0 } else { share(common.inner[0]) };
+    of_outer.max(of_bore)
+}
+
 /// Length of the elements that have the same section as the first, and the section after them.
 fn run(list: &mut dyn Iterator<Item = &Element>, section: usize) -> (f64, Option<usize>) {
     let mut length = 0.0;
@@ -71,6 +103,12 @@ fn joints(model: &Model) -> Vec<Joint> {
             continue;
         }
         let sections = [a, b].map(|e| &model.sections[e.section]);
+        let share = share_left([a, b], sections);
+        let radii = sections.map(|s| s.outer_size());
+        let settled = radii[0].max(radii[1]) <= SETTLED_RATIO * radii[0].min(radii[1]);
+        if share <= SHARE_LEFT[SETTLED_EFFORT] && settled {
+            continue;
+        }
         let runs = [
             run(&mut model.elements[..=left].iter().rev(), a.section),
             run(&mut model.elements[left + 1..].iter(), b.section),
@@ -94,6 +132,7 @@ fn joints(model: &Model) -> Vec<Joint> {
                 sheared * torsion,
                 soft * (of(Pull::Axial, 0) + of(Pull::Axial, 1)) / 2.0,
             ]
+            .map(|missing| share * missing)
         };
         let bases = [a.kind.basis, b.kind.basis];
         let raised = bases.map(|basis| if basis.is_ring() { basis } else { BEST });
@@ -109,7 +148,7 @@ fn resultants(assembly: &Assembly<'_>, e: usize, q: &[f64], value: f64) -> [f64;
     let index = assembly.element_coordinates(element);
     let local = Mat::from_fn(index.len(), 1, |i, _| q[index[i]]);
     let force = &matrices.stiffness * &local - &matrices.mass * &local * faer::Scale(value);
-    let end = 3 * element.kind.n_vectors() * element.kind.axial_degree;
+    let end = 3 * element.n_vectors() * element.kind.axial_degree;
     let (at, r) = (|vector: usize, c: usize| force[(end + 3 * vector + c, 0)], model.reference_length);
     // the first three functions are 1, y/R and z/R in every member
     [r * at(1, 0), r * at(2, 0), r * (at(1, 2) - at(2, 1)), at(0, 0)]
@@ -159,12 +198,103 @@ pub fn step_excess(assembly: &Assembly<'_>) -> Vec<Excess> {
     Spectrum::new(assembly, MOTIONS).map_or(Vec::new(), |spectrum| excesses(assembly, &spectrum, &joints))
 }
 
+/// Places at which the section changes with elements on both sides, and the smaller of the outer radii there, m.
+fn places_of_steps(model: &Model) -> Vec<(f64, f64)> {
+    let step = |pair: &[Element]| {
+        let sections = [&pair[0], &pair[1]].map(|e| &model.sections[e.section]);
+        let radius = sections[0].outer_size().min(sections[1].outer_size());
+        (pair[0].section != pair[1].section).then_some((pair[1].x, radius))
+    };
+    model.elements.windows(2).filter_map(step).collect()
+}
+
+/// Says where kinked functions act and what they cost, and warns of disks whose own bending they do not reach.
+pub fn kink_remarks(assembly: &Assembly<'_>, diagnostics: &mut Vec<Diagnostic>) {
+    let model = assembly.model;
+    let elements = model.elements.iter().filter(|e| !e.kinks.is_empty()).count();
+    if elements == 0 {
+        return;
+    }
+    let steps: Vec<f64> = places_of_steps(model).into_iter().map(|(x, _)| x).collect();
+    diagnostics.push(Diagnostic::info(
+        "steps-refined",
+        format!(
+            "sections deform by kinked functions near the steps at x = {} m: on {elements} of {} elements, {} of {} unknowns",
+            places(&steps),
+            model.elements.len(),
+            assembly.kinked_unknowns(),
+            assembly.size()
+        ),
+    ));
+    plate_remarks(model, diagnostics);
+}
+
+/// Warns of thin disks: their motions with two and more nodal diameters, and umbrella motions of higher order, need functions
+/// of the section that no member has.
+fn plate_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
+    let mut start = 0;
+    for piece in model.elements.chunk_by(|a, b| a.section == b.section) {
+        let (section, end) = (&model.sections[piece[0].section], start + piece.len());
+        let beside = [start.checked_sub(1), Some(end)].map(|i| model.elements.get(i?));
+        let shaft = beside.into_iter().flatten().map(|e| model.sections[e.section].outer_size());
+        let (shaft, length) = (shaft.fold(0.0, f64::max), piece.iter().map(|e| e.length).sum::<f64>());
+        let reach = section.outer_size() - shaft;
+        let kinked = piece.iter().any(|e| !e.kinks.is_empty());
+        start = end;
+        if !kinked || shaft == 0.0 || length >= PLATE * reach {
+            continue;
+        }
+        let material = &model.materials[piece[0].material];
+        let wave_speed = (material.youngs_modulus
+            / (material.density * (1.0 - material.poisson_ratio * material.poisson_ratio)))
+            .sqrt();
+        // a disk held at its centre, two nodal diameters: w = 5.4 sqrt(E h^2 / (12 rho (1 - nu^2))) / R^2
+        let two_diameters = 5.4 * wave_speed * length / 12f64.sqrt() / section.outer_size().powi(2);
+        diagnostics.push(Diagnostic::warning(
+            "thin-disk",
+            format!(
+                "the disk from x = {} m is {:.2} times as long as it reaches beyond the shaft: its motions with two and more nodal \
+                 diameters (from about {} rad/s at rest) and its umbrella motions of higher order are missing or too high; tilt and \
+                 bending of the shaft with it are not",
+                five_digits(piece[0].x),
+                length / reach,
+                format!("{two_diameters:.1e}").parse::<f64>().unwrap_or(two_diameters)
+            ),
+        ));
+    }
+}
+
+/// Says of probes beside a step that stress has no limit at its corner.
+pub fn stress_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
+    let steps = places_of_steps(model);
+    for probe in &model.probes {
+        let near = |(x, radius): &&(f64, f64)| (probe.x - x).abs() < SINGULAR * radius;
+        let Some((x, radius)) = steps.iter().find(near) else { continue };
+        diagnostics.push(Diagnostic::info(
+            "stress-at-step",
+            format!(
+                "probe \"{}\" stands {} m from the step at x = {} m, within half the smaller radius of {} m: at a sharp corner \
+                 stress grows without bound as functions and mesh are refined; take stress farther away, times the factor of the \
+                 fillet",
+                probe.name,
+                five_digits((probe.x - x).abs()),
+                five_digits(*x),
+                five_digits(*radius)
+            ),
+        ));
+    }
+}
+
+/// A length to five digits.
+fn five_digits(x: f64) -> f64 {
+    format!("{x:.4e}").parse().unwrap_or(x)
+}
+
 /// Positions in words, to five digits.
-fn places(joints: &[Joint]) -> String {
-    let five = |x: f64| format!("{x:.4e}").parse().unwrap_or(x).to_string();
-    let mut list: Vec<String> = joints.iter().take(NAMED).map(|j| five(j.x)).collect();
-    if joints.len() > NAMED {
-        list.push(format!("and {} more", joints.len() - NAMED));
+fn places(steps: &[f64]) -> String {
+    let mut list: Vec<String> = steps.iter().take(NAMED).map(|x| five_digits(*x).to_string()).collect();
+    if steps.len() > NAMED {
+        list.push(format!("and {} more", steps.len() - NAMED));
     }
     list.join(", ")
 }
@@ -201,14 +331,16 @@ pub fn step_remarks(assembly: &Assembly<'_>, diagnostics: &mut Vec<Diagnostic>) 
         told.insert(0, *first);
     }
     let parts: Vec<String> = told.iter().map(words).collect();
+    let round = assembly.model.sections.iter().all(Section::is_axisymmetric);
     diagnostics.push(Diagnostic::warning(
         "step",
         format!(
             "the section changes abruptly (at x = {} m); both sides share their functions, which makes the joint too stiff on \
-             any mesh. Frequencies at rest are too high by about: {}; displacements under loads too small by up to {:.1} %",
-            places(&joints(assembly.model)),
+             any mesh. Frequencies at rest are too high by about: {}; displacements under loads too small by up to {:.1} %{}",
+            places(&joints(assembly.model).iter().map(|j| j.x).collect::<Vec<_>>()),
             parts.join(", "),
-            100.0 * (1.0 - 1.0 / (1.0 + largest).powi(2))
+            100.0 * (1.0 - 1.0 / (1.0 + largest).powi(2)),
+            if round { "; \"element\": \"auto\" lets sections deform near steps, within about 0.5 %" } else { "" }
         ),
     ));
 }

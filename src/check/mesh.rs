@@ -1,7 +1,9 @@
 //! Elements and nodes along the shaft: segments laid end to end, cut where something stands.
 
+use crate::check::steps::Steps;
 use crate::model::{Element, ElementKind, Field, Node};
 use crate::section::Section;
+use crate::section::kinks::Kinks;
 
 /// Share of the shaft's length within which two positions are one: a place so near to the end of a segment or to another
 /// place was written with fewer digits.
@@ -19,6 +21,8 @@ pub struct SegmentPlan {
     pub elements: u64,
     /// Member of the element family.
     pub kind: ElementKind,
+    /// Effort at steps, 0 for none.
+    pub kinks: usize,
     /// Index of its section.
     pub section: usize,
     /// Index of its material.
@@ -42,19 +46,23 @@ impl Mesh {
     pub fn new(plans: &[SegmentPlan], sections: &[Section], positions: &[f64], length: f64) -> Self {
         let mut mesh = Self { elements: Vec::new(), nodes: Vec::new() };
         let mut start = 0.0;
-        for plan in plans {
+        for (segment, plan) in plans.iter().enumerate() {
+            let steps = Steps::new(plans, sections, segment);
             let end = start + plan.length;
             let same = (SAME_PLACE_PER_LENGTH * length).min(plan.length / 4.0);
             let mut cuts: Vec<f64> =
                 positions.iter().copied().filter(|x| *x > start + same && *x < end - same).collect();
             cuts.extend([start, end]);
+            cuts.extend(steps.cuts.iter().map(|x| start + x));
             cuts.sort_by(f64::total_cmp);
             cuts.dedup_by(|a, b| *a - *b <= same);
             let pieces: Vec<(f64, f64)> = cuts.windows(2).map(|c| (c[0], c[1])).collect();
-            for (&(a, b), count) in pieces.iter().zip(share(&pieces, plan.elements)) {
+            for (&(a, b), count) in pieces.iter().zip(share(&pieces, plan.elements + steps.cuts.len() as u64))
+            {
+                let kinks = steps.kinks(a - start, b - start);
                 for k in 0..count {
                     let at = |k: u64| a + (b - a) * k as f64 / count as f64;
-                    mesh.push(plan, sections, at(k), (b - a) / count as f64);
+                    mesh.push((plan, kinks), sections, at(k), (b - a) / count as f64);
                 }
             }
             start = end;
@@ -62,9 +70,9 @@ impl Mesh {
         mesh
     }
 
-    fn push(&mut self, plan: &SegmentPlan, sections: &[Section], x: f64, length: f64) {
+    fn push(&mut self, (plan, kinks): (&SegmentPlan, Kinks), sections: &[Section], x: f64, length: f64) {
         let (kind, section, material) = (plan.kind, plan.section, plan.material);
-        let field = Field { basis: kind.basis, section };
+        let field = Field { basis: kind.basis, kinks, section };
         let mut follows = [false; 2];
         match (self.nodes.last_mut(), self.elements.last_mut()) {
             (Some(shared), Some(left)) if !same_functions(shared.field, field, sections) => {
@@ -83,7 +91,7 @@ impl Mesh {
             let x = x + length * i as f64 / kind.axial_degree as f64;
             self.nodes.push(Node { x, field, follower: None });
         }
-        self.elements.push(Element { x, length, first_node, kind, section, material, follows });
+        self.elements.push(Element { x, length, first_node, kind, kinks, section, material, follows });
     }
 
     /// The element end nearest to a position (which was among those given to [`Mesh::new`]).
@@ -106,12 +114,20 @@ impl Mesh {
 
 /// True when the vectors of two sides multiply the same functions.
 fn same_functions(a: Field, b: Field, sections: &[Section]) -> bool {
+    same_member(a, b, sections) && a.kinks == b.kinks
+}
+
+/// True when the members of two sides have the same functions.
+fn same_member(a: Field, b: Field, sections: &[Section]) -> bool {
     a.basis == b.basis && (!a.basis.is_ring() || sections[a.section] == sections[b.section])
 }
 
-/// True when b, not a, has to follow at a joint: the side with more vectors follows, and among equals the one with less
-/// area, all or most of which is shared.
+/// True when b, not a, has to follow at a joint: the side whose member has more vectors follows, and among equals the one
+/// with less area, all or most of which is shared; of equal members the one with more kinked functions.
 fn leads(a: Field, b: Field, sections: &[Section]) -> bool {
+    if same_member(a, b, sections) {
+        return a.kinks.count() <= b.kinks.count();
+    }
     let area = |f: Field| sections[f.section].area();
     (a.basis.count(), -area(a)) <= (b.basis.count(), -area(b))
 }
@@ -142,7 +158,7 @@ mod tests {
     fn plan(length: f64, elements: u64, order: usize) -> SegmentPlan {
         let kind =
             ElementKind { axial_degree: 3, basis: SectionBasis::Monomials(order), law: Law::Continuum };
-        SegmentPlan { length, elements, kind, section: 0, material: 0 }
+        SegmentPlan { length, elements, kind, kinks: 0, section: 0, material: 0 }
     }
 
     fn ends(mesh: &Mesh) -> Vec<f64> {

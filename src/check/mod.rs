@@ -10,11 +10,13 @@ mod mesh;
 mod scene;
 mod section;
 mod spinup;
+pub mod steps;
 
 use crate::case::{self, Case, LoadedCase, nearest};
 use crate::check::element_choice::{Choice, Demands, choose, level};
 use crate::check::memory::{memory, mesh_memory};
 use crate::check::mesh::{Mesh, SHORTEST_SEGMENT_PER_LENGTH, SegmentPlan};
+use crate::check::steps::FINEST;
 use crate::error::Result;
 use crate::instructions::Instructions;
 use crate::model::ElementChoice;
@@ -89,6 +91,20 @@ struct Input<'a> {
 
 type Named<T> = (Vec<T>, Vec<String>);
 
+/// What "element" says; `None` where the program chooses.
+#[derive(Debug, Clone, Copy)]
+struct Asked {
+    kind: Option<ElementKind>,
+    effort: Option<usize>,
+}
+
+/// Member and effort at steps of a segment.
+#[derive(Debug, Clone, Copy)]
+struct Taken {
+    kind: ElementKind,
+    effort: usize,
+}
+
 impl Input<'_> {
     fn fault<T>(&self, path: &str, problem: impl Into<String>, allowed: impl Into<String>) -> Result<T> {
         Err(self.loaded.fault(path, problem, allowed))
@@ -134,8 +150,29 @@ impl Input<'_> {
         self.fault(path, format!("there is no {what} \"{name}\"{near}"), known.join(", "))
     }
 
+    /// A member of the family and the effort at steps ("34X3k2": 2), each `None` for the program's own choice.
+    fn element(&self, path: &str, name: &str) -> Result<Asked> {
+        let Some((member, digits)) = name.split_once('k') else {
+            let kind = self.member(path, name)?;
+            return Ok(Asked { kind, effort: kind.is_some().then_some(0) });
+        };
+        let kind = self.member(path, member)?;
+        match digits.parse::<usize>() {
+            Ok(effort @ 0..=FINEST) if kind.is_none_or(|k| k.law == Law::Continuum) => {
+                Ok(Asked { kind, effort: Some(effort) })
+            }
+            _ => self.fault(
+                path,
+                format!("\"{name}\" names no effort at steps"),
+                format!(
+                    "34X1 .. 34X5, 34Rdh or auto with k0 (none) to k{FINEST} (finest), e.g. 34X3k3; \"auto\" chooses both"
+                ),
+            ),
+        }
+    }
+
     /// A member of the family; `None` for the program's own choice.
-    fn element(&self, path: &str, name: &str) -> Result<Option<ElementKind>> {
+    fn member(&self, path: &str, name: &str) -> Result<Option<ElementKind>> {
         let kind = |axial_degree, basis, law| Ok(Some(ElementKind { axial_degree, basis, law }));
         let known = [
             "34X1", "34X2", "34X3", "34X4", "34X5", "34R12", "34R13", "34R23", "34R33", "34R34", "auto",
@@ -187,7 +224,7 @@ impl Input<'_> {
         shaft: &case::Shaft,
         (shapes, sections): (&[Section], &[String]),
         (materials, material_names): (&[Material], &[String]),
-    ) -> Result<(Vec<ElementKind>, Vec<ElementChoice>)> {
+    ) -> Result<(Vec<Taken>, Vec<ElementChoice>)> {
         let named = |path: &str, name: &Option<String>| match name {
             Some(name) => self.element(path, name).map(Some),
             None => Ok(None),
@@ -200,26 +237,44 @@ impl Input<'_> {
             let at = |key: &str| format!("shaft.segments.{i}.{key}");
             let shape = &shapes[self.named(&at("section"), "section", &segment.section, sections)?];
             let asked = named(&at("element"), &segment.element)?.or(default);
-            let asked =
-                asked.unwrap_or((!shape.is_hollow()).then_some(continuum(SectionBasis::Monomials(3))));
+            let unasked = || (!shape.is_hollow()).then_some(continuum(SectionBasis::Monomials(3)));
+            let (asked, effort) =
+                asked.map_or_else(|| (unasked(), Some(0)), |asked| (asked.kind, asked.effort));
             let material = self.named(&at("material"), "material", &segment.material, material_names)?;
             let demands = Demands { poisson_ratio: materials[material].poisson_ratio, ..demands };
             chosen.push(asked.is_none().then(|| (choose(shape, demands), *shape, demands.poisson_ratio)));
-            fixed.push(asked);
+            fixed.push((asked, effort, *shape, segment.length.0));
         }
+        let ends: Vec<_> = fixed.iter().map(|f| (f.1, f.2, f.3)).collect();
+        let efforts = steps::efforts(&ends);
         level(&mut chosen);
         let mut choices = Vec::new();
         let mut kinds = Vec::new();
-        for (i, (asked, choice)) in fixed.into_iter().zip(chosen).enumerate() {
-            if let Some((Choice { basis, reason, estimate }, ..)) = &choice {
+        for (i, ((asked, effort, ..), choice)) in fixed.into_iter().zip(chosen).enumerate() {
+            let chosen = choice.as_ref().map(|(c, ..)| match c.basis {
+                // what a step bends has no quadratic sections
+                SectionBasis::Monomials(2) if efforts[i] > 0 => SectionBasis::Monomials(3),
+                basis => basis,
+            });
+            if let (Some((Choice { reason, estimate, .. }, ..)), Some(basis)) = (&choice, chosen) {
                 let (name, section) = (basis.member(), &shaft.segments[i].section);
-                let text = format!(
+                let mut text = format!(
                     "{name} for section \"{section}\": {reason}; estimated error of its functions {estimate:.0e}"
                 );
-                choices.push(ElementChoice { text, segment: i, estimated_error: *estimate });
+                let mut estimated_error = *estimate;
+                if efforts[i] > 0 {
+                    let left = steps::estimate(&ends, &efforts, i);
+                    let by = if effort.is_none() { "chosen" } else { "asked" };
+                    text += &format!(
+                        "; kinks of effort {} ({by}) at its steps leave about {left:.0e}",
+                        efforts[i]
+                    );
+                    estimated_error = estimated_error.max(left);
+                }
+                choices.push(ElementChoice { text, segment: i, estimated_error });
             }
-            let basis = choice.map(|(c, ..)| continuum(c.basis));
-            kinds.push(asked.or(basis).unwrap_or(continuum(SectionBasis::Monomials(3))));
+            let kind = asked.or(chosen.map(continuum)).unwrap_or(continuum(SectionBasis::Monomials(3)));
+            kinds.push(Taken { kind, effort: efforts[i] });
         }
         Ok((kinds, choices))
     }
@@ -264,7 +319,7 @@ impl Input<'_> {
         let shaft = self.shaft()?;
         let (kinds, choices) = self.kinds(shaft, (shapes, sections), (stuffs, materials))?;
         let mut plans = Vec::new();
-        for (i, (segment, kind)) in shaft.segments.iter().zip(kinds).enumerate() {
+        for (i, (segment, Taken { kind, effort })) in shaft.segments.iter().zip(kinds).enumerate() {
             let at = |key: &str| format!("shaft.segments.{i}.{key}");
             if segment.elements == 0 {
                 return self.fault(&at("elements"), "a segment needs elements", "at least 1");
@@ -303,6 +358,7 @@ impl Input<'_> {
                 length: self.length(&at("length"), segment.length.0)?,
                 elements: segment.elements,
                 kind,
+                kinks: effort,
                 section,
                 material: self.named(&at("material"), "material", &segment.material, materials)?,
             });

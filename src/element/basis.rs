@@ -5,10 +5,11 @@
 //! Integrals of monomials are closed forms; functions of rings are in [`crate::element::ring_functions`]. Source: docs/theory/elements.md#kinematics and
 //! docs/theory/elements.md#matrices.
 
-use crate::element::ring_functions;
+use crate::element::{kinked, ring_functions};
 use crate::section::Section;
 use crate::section::basis::SectionBasis;
 pub use crate::section::basis::{exponents, vector_name};
+use crate::section::kinks::Kinks;
 use faer::Mat;
 
 /// Monomial coefficients (ascending powers of xi) of the Lagrange polynomials of the given degree on
@@ -112,6 +113,16 @@ impl SectionProducts {
                 Self { gradients, rotation, rotation_rotation, area: section.area(), reference_length }
             }
         }
+    }
+
+    /// Integrals of the functions of `basis` and of kinked ones.
+    pub fn with_kinks(basis: SectionBasis, kinks: &Kinks, section: &Section, reference_length: f64) -> Self {
+        if kinks.is_empty() {
+            return Self::new(basis, section, reference_length);
+        }
+        let (gradients, rotation, rotation_rotation) =
+            kinked::products(basis, kinks, section, reference_length);
+        Self { gradients, rotation, rotation_rotation, area: section.area(), reference_length }
     }
 
     fn of_monomials(order: usize, section: &Section, reference_length: f64) -> Self {
@@ -233,6 +244,22 @@ pub fn rotation_matrix(basis: SectionBasis) -> Mat<f64> {
         }
     }
     matrix
+}
+
+/// Matrix T of d_theta on the functions of a basis and on kinked ones behind them.
+pub fn rotation_with_kinks(basis: SectionBasis, kinks: &Kinks) -> Mat<f64> {
+    let (own, list) = (rotation_matrix(basis), kinks.functions());
+    let first = own.nrows();
+    Mat::from_fn(first + list.len(), first + list.len(), |k, l| {
+        if k < first || l < first {
+            return if k < first && l < first { own[(k, l)] } else { 0.0 };
+        }
+        let (f, g) = (list[k - first], list[l - first]);
+        if (f.kink, f.power, f.waves) != (g.kink, g.power, g.waves) || f.sine == g.sine {
+            return 0.0;
+        }
+        if f.sine { -(f.waves as f64) } else { f.waves as f64 }
+    })
 }
 
 fn factorial(n: usize) -> f64 {

@@ -11,6 +11,7 @@ pub mod continuum;
 pub mod fields;
 pub mod inertia;
 pub mod kernel;
+pub mod kinked;
 pub mod planar_2322s;
 pub mod polynomial;
 pub mod quadrature;
@@ -20,6 +21,7 @@ pub mod structural_3333s;
 
 use crate::model::{ElementKind, Law, Material};
 use crate::section::Section;
+use crate::section::kinks::Kinks;
 use faer::Mat;
 use kernel::simd::Scratch;
 
@@ -72,8 +74,19 @@ impl ElementMatrices {
         length: f64,
         reference_length: f64,
     ) -> Self {
+        Self::with_kinks((kind, &Kinks::NONE), section, material, length, reference_length)
+    }
+
+    /// [`Self::new`] of an element that has kinked functions beside those of its member.
+    pub fn with_kinks(
+        (kind, kinks): (ElementKind, &Kinks),
+        section: &Section,
+        material: &Material,
+        length: f64,
+        reference_length: f64,
+    ) -> Self {
         let axial = basis::AxialProducts::new(kind.axial_degree, length);
-        let plane = basis::SectionProducts::new(kind.basis, section, reference_length);
+        let plane = basis::SectionProducts::with_kinks(kind.basis, kinks, section, reference_length);
         let stiffness = match kind.law {
             Law::Continuum => continuum::stiffness(&continuum::isotropic(material), &axial, &plane),
             Law::Split => continuum::split_stiffness(section, material, &axial, &plane),

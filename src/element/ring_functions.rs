@@ -91,6 +91,50 @@ impl RingFunctions {
             })
             .collect()
     }
+
+    /// Sums over the ring of products of n functions, polynomials across the wall whose products have a degree and with
+    /// waves up to a number.
+    pub fn sums(
+        &self,
+        n: usize,
+        degree: usize,
+        harmonics: usize,
+        functions: &dyn Fn(f64, f64) -> Vec<Polar>,
+    ) -> Sums {
+        let [cy, cz] = self.outer;
+        // two derivatives by y or z make two more harmonics
+        let angles = 2 * harmonics + 4;
+        // columns: value, by y, by z, d_theta
+        let mut sums = [(); 16].map(|()| vec![0.0; n * n]);
+        for (rho, _, w) in self.across(self.points(degree, 1e-17)) {
+            for j in 0..angles {
+                let theta = 2.0 * PI * j as f64 / angles as f64;
+                let (sin, cos) = theta.sin_cos();
+                let weight = w * rho * cy * cz * 2.0 * PI / angles as f64;
+                let mut at = [(); 4].map(|()| Vec::with_capacity(n));
+                for f in functions(rho, theta) {
+                    let turn = f.radial * sin * cos * (cy / cz - cz / cy)
+                        + f.hoop * (cos * cos * cy / cz + sin * sin * cz / cy);
+                    let by_y = (cos * f.radial - sin * f.hoop) / cy;
+                    let by_z = (sin * f.radial + cos * f.hoop) / cz;
+                    let values = [f.value, by_y, by_z, rho * turn];
+                    at.iter_mut().zip(values).for_each(|(list, value)| list.push(value));
+                }
+                for (pair, sum) in sums.iter_mut().enumerate() {
+                    let (a, b) = (pair / 4, pair % 4);
+                    // symmetric ones and those of d_theta are needed only
+                    if a == 3 && b != 3 || b == 3 && a != 3 && a != 0 || a > b {
+                        continue;
+                    }
+                    for (column, right) in sum.chunks_exact_mut(n).zip(&at[b]) {
+                        let right = weight * right;
+                        column.iter_mut().zip(&at[a]).for_each(|(sum, left)| *sum += left * right);
+                    }
+                }
+            }
+        }
+        sums.map(|sum| Mat::from_fn(n, n, |k, l| sum[l * n + k]))
+    }
 }
 
 /// Legendre polynomials `P_0 .. P_top` and their derivatives at s.
@@ -120,52 +164,88 @@ pub fn monomials(top: usize) -> Vec<Vec<f64>> {
     list
 }
 
-/// Integrals over the ring of products of the functions: `gradients[a][b] = int f_k,a f_l,b dA` with a, b in
-/// {none, y, z}, `int f_k (d_theta f_l) dA` and `int (d_theta f_k)(d_theta f_l) dA`; as in
-/// [`crate::element::basis::SectionProducts`].
-pub fn products(
-    degree: usize,
-    harmonics: usize,
-    section: &Section,
-    reference_length: f64,
-) -> ([[Mat<f64>; 3]; 3], Mat<f64>, Mat<f64>) {
+/// A term `p(s) cos(m theta)` or `p(s) sin(m theta)` of a function over a ring.
+#[derive(Debug, Clone)]
+pub struct Term {
+    /// Coefficients of p in ascending powers of the wall coordinate s.
+    pub value: Vec<f64>,
+    /// Those of its derivative by rho.
+    pub slope: Vec<f64>,
+    /// Waves m around the axis.
+    pub waves: usize,
+    /// Sine instead of cosine.
+    pub sine: bool,
+}
+
+impl RingFunctions {
+    /// A term of the given polynomial in s.
+    pub fn term(&self, value: Vec<f64>, waves: usize, sine: bool) -> Term {
+        let slope = value.iter().enumerate().skip(1).map(|(e, c)| e as f64 * c / self.half).collect();
+        Term { value, slope, waves, sine }
+    }
+
+    /// A polynomial in s times rho.
+    pub fn times_rho(&self, p: &[f64]) -> Vec<f64> {
+        let at = |e: usize| p.get(e).copied().unwrap_or(0.0);
+        (0..=p.len()).map(|e| self.mean * at(e) + if e > 0 { self.half * at(e - 1) } else { 0.0 }).collect()
+    }
+
+    /// The functions of a ring as terms; y and z count in units of `reference_length`.
+    pub fn terms(&self, degree: usize, harmonics: usize, reference_length: f64) -> Vec<Term> {
+        let legendre = monomials(degree);
+        let of = |f: RingFunction| match f.degree {
+            Some(a) => self.term(legendre[a].clone(), f.waves, f.sine),
+            None => {
+                let scale = self.outer[usize::from(f.sine)] / reference_length;
+                Term { slope: vec![scale], ..self.term(self.times_rho(&[scale]), f.waves, f.sine) }
+            }
+        };
+        ring_functions(degree, harmonics).into_iter().map(of).collect()
+    }
+
+    /// Functions that are sums of terms, at a point.
+    pub fn of_terms(&self, functions: &[Vec<Term>], rho: f64, theta: f64) -> Vec<Polar> {
+        let s = (rho - self.mean) / self.half;
+        let sum = |p: &[f64]| p.iter().rev().fold(0.0, |sum, c| sum * s + c);
+        let of = |terms: &Vec<Term>| {
+            let mut polar = Polar { value: 0.0, radial: 0.0, hoop: 0.0 };
+            for term in terms {
+                let m = term.waves as f64;
+                let (sin, cos) = (m * theta).sin_cos();
+                let (wave, turn) = if term.sine { (sin, m * cos) } else { (cos, -m * sin) };
+                let value = sum(&term.value);
+                polar.value += value * wave;
+                polar.radial += sum(&term.slope) * wave;
+                polar.hoop += value * turn / rho;
+            }
+            polar
+        };
+        functions.iter().map(of).collect()
+    }
+}
+
+/// Integrals of products of functions over a section: `gradients[a][b] = int f_k,a f_l,b dA` with a, b in {none, y, z},
+/// `int f_k (d_theta f_l) dA` and `int (d_theta f_k)(d_theta f_l) dA`.
+pub type Products = ([[Mat<f64>; 3]; 3], Mat<f64>, Mat<f64>);
+
+/// Sums `int f_k,a f_l,b dA` at `[4 a + b]` with a, b = 0 for the value, 1 and 2 for the derivatives by y and z, 3 for
+/// d_theta; those that are needed: a <= b.
+pub type Sums = [Mat<f64>; 16];
+
+/// [`Products`] of the functions of a ring, as in [`crate::element::basis::SectionProducts`].
+pub fn products(degree: usize, harmonics: usize, section: &Section, reference_length: f64) -> Products {
     let ring = RingFunctions::new(section);
     let list = ring_functions(degree, harmonics);
-    let [cy, cz] = ring.outer;
-    // two derivatives by y or z make two more harmonics
-    let angles = 2 * harmonics + 4;
-    // columns: value, by y, by z, d_theta
-    let n = list.len();
-    let mut sums = [(); 16].map(|()| vec![0.0; n * n]);
-    for (rho, _, w) in ring.across(ring.points(2 * degree + 2, 1e-17)) {
-        for j in 0..angles {
-            let theta = 2.0 * PI * j as f64 / angles as f64;
-            let (sin, cos) = theta.sin_cos();
-            let weight = w * rho * cy * cz * 2.0 * PI / angles as f64;
-            let mut at = [(); 4].map(|()| Vec::with_capacity(n));
-            for f in ring.functions(&list, reference_length, rho, theta) {
-                let turn = f.radial * sin * cos * (cy / cz - cz / cy)
-                    + f.hoop * (cos * cos * cy / cz + sin * sin * cz / cy);
-                let by_y = (cos * f.radial - sin * f.hoop) / cy;
-                let by_z = (sin * f.radial + cos * f.hoop) / cz;
-                let values = [f.value, by_y, by_z, rho * turn];
-                at.iter_mut().zip(values).for_each(|(list, value)| list.push(value));
-            }
-            for (pair, sum) in sums.iter_mut().enumerate() {
-                let (a, b) = (pair / 4, pair % 4);
-                // symmetric ones and those of d_theta are needed only
-                if a == 3 && b != 3 || b == 3 && a != 3 && a != 0 || a > b {
-                    continue;
-                }
-                for (column, right) in sum.chunks_exact_mut(n).zip(&at[b]) {
-                    let right = weight * right;
-                    column.iter_mut().zip(&at[a]).for_each(|(sum, left)| *sum += left * right);
-                }
-            }
-        }
-    }
-    let sums = sums.map(|sum| Mat::from_fn(n, n, |k, l| sum[l * n + k]));
+    let at = |rho, theta| ring.functions(&list, reference_length, rho, theta);
+    let sums = ring.sums(list.len(), 2 * degree + 2, harmonics, &at);
     let odd = crate::section::basis::SectionBasis::Ring { degree, harmonics }.odd();
+    clean(&sums, &odd, section.is_axisymmetric())
+}
+
+/// Products from their sums: symmetric where they are by definition, zero where parity or rounding says so; `odd` tells
+/// of each function whether it changes its sign under y -> -y and under z -> -z.
+pub fn clean(sums: &Sums, odd: &[[bool; 2]], axisymmetric: bool) -> Products {
+    let n = odd.len();
     let clean = |a: usize, b: usize| {
         let (sum, left, right) = (&sums[4 * a + b], &sums[5 * a], &sums[5 * b]);
         // derivatives by y change the parity in y, d_theta that in both
@@ -180,7 +260,7 @@ pub fn products(
     let gradients = [0, 1, 2]
         .map(|a| [0, 1, 2].map(|b| if a <= b { clean(a, b) } else { clean(b, a).transpose().to_owned() }));
     let mut rotation = clean(0, 3);
-    if section.is_axisymmetric() {
+    if axisymmetric {
         // skew but for rounding
         rotation = Mat::from_fn(n, n, |k, l| (rotation[(k, l)] - rotation[(l, k)]) / 2.0);
     }

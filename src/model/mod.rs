@@ -12,6 +12,7 @@ pub use crate::case::{ActsOn, Form, Frame, Gyroscopic, Hub, RampShape, WhirlFram
 use crate::instructions::Instructions;
 use crate::section::Section;
 use crate::section::basis::SectionBasis;
+use crate::section::kinks::Kinks;
 
 /// Isotropic linear elastic material with Kelvin-Voigt and external damping.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,6 +91,8 @@ pub struct Element {
     pub first_node: usize,
     /// Member of the family.
     pub kind: ElementKind,
+    /// Kinked functions beside those of the member, near a step.
+    pub kinks: Kinks,
     /// Index into [`Model::sections`].
     pub section: usize,
     /// Index into [`Model::materials`].
@@ -98,13 +101,41 @@ pub struct Element {
     pub follows: [bool; 2],
 }
 
+impl Element {
+    /// The functions of its section.
+    pub fn field(&self) -> Field {
+        Field { basis: self.kind.basis, kinks: self.kinks, section: self.section }
+    }
+
+    /// Vectors at each of its nodes.
+    pub fn n_vectors(&self) -> usize {
+        self.field().count()
+    }
+}
+
 /// Functions of one section.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Field {
     /// Functions across the section.
     pub basis: SectionBasis,
+    /// Kinked functions behind them.
+    pub kinks: Kinks,
     /// Of which section: index into [`Model::sections`].
     pub section: usize,
+}
+
+impl Field {
+    /// Number of functions, hence of vectors.
+    pub fn count(&self) -> usize {
+        self.basis.count() + self.kinks.count()
+    }
+
+    /// For each function whether it changes its sign under y -> -y and under z -> -z.
+    pub fn odd(&self) -> Vec<[bool; 2]> {
+        let mut list = self.basis.odd();
+        list.extend(self.kinks.odd());
+        list
+    }
 }
 
 /// A node on the axis with its vectors. Where two elements of different functions meet, those of the richer side
@@ -122,14 +153,14 @@ pub struct Node {
 impl Node {
     /// Its own vectors.
     pub fn n_vectors(&self) -> usize {
-        self.field.basis.count()
+        self.field.count()
     }
 
     /// For each of its vectors, followers after its own, whether the function it multiplies changes its sign under
     /// y -> -y and under z -> -z.
     pub fn odd(&self) -> Vec<[bool; 2]> {
-        let mut list = self.field.basis.odd();
-        list.extend(self.follower.iter().flat_map(|f| f.basis.odd()));
+        let mut list = self.field.odd();
+        list.extend(self.follower.iter().flat_map(|f| f.odd()));
         list
     }
 }

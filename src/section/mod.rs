@@ -5,6 +5,7 @@
 //! vanish. Source: docs/theory/elements.md#matrices.
 
 pub mod basis;
+pub mod kinks;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

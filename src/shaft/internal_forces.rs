@@ -6,6 +6,7 @@
 
 use crate::element::Kernel;
 use crate::element::kernel::simd::Scratch;
+use crate::element::kinked::KinkedElement;
 use crate::element::polynomial::NonlinearElement;
 use crate::element::ring::RingElement;
 use crate::element::structural_3333s::{AXIAL_POINTS, StructuralElement};
@@ -30,6 +31,10 @@ const PARALLEL_TANGENTS: usize = 4;
 fn kernel(model: &Model, e: &Element) -> Result<Box<dyn Kernel>> {
     let (section, material) = (&model.sections[e.section], &model.materials[e.material]);
     let (r, quadrature) = (model.reference_length, model.quadrature);
+    if !e.kinks.is_empty() {
+        let with = (quadrature, model.instructions);
+        return Ok(Box::new(KinkedElement::new((e.kind, &e.kinks), section, material, e.length, r, with)));
+    }
     if let Some(element) = RingElement::new(e.kind, section, material, e.length, r, quadrature) {
         return Ok(Box::new(element.with_instructions(model.instructions)));
     }
@@ -93,7 +98,7 @@ impl<'a> Forces<'a> {
                 elements.push(kernel(model, e)?);
             }
             let first = (0..=e.kind.axial_degree).map(|i| assembly.numbering.of_element(e, i)).collect();
-            places.push((first, 3 * e.kind.n_vectors()));
+            places.push((first, 3 * e.n_vectors()));
         }
         Ok(Self { assembly, elements, hubs: Hubs::new(model, &assembly.numbering), places })
     }

@@ -17,6 +17,7 @@ use crate::analysis::equilibrium::{Balance, Equilibrium, NewtonSettings};
 use crate::analysis::probes::{largest_strain, probe_states, profile};
 use crate::analysis::statics::{hub_remark, pinned_remark};
 use crate::analysis::stations::{GrowthStation, headline, section_growth};
+use crate::analysis::steps::stress_remarks;
 use crate::analysis::{Outcome, model_remarks};
 use crate::error::{Error, Refusal, Result};
 use crate::integrate::implicit::Scheme;
@@ -108,6 +109,7 @@ pub fn spinup(model: &Model, settings: &SpinupSettings, watch: Watch<'_>) -> Res
     refuse_dependent(model)?;
     refuse_tiny_bore(model)?;
     growth_remarks(model, &mut diagnostics);
+    stress_remarks(model, &mut diagnostics);
     pressure_remarks(model, &mut diagnostics);
     hub_remark(model, &mut diagnostics);
     slow_remark(model, fastest, &mut diagnostics);

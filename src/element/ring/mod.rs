@@ -21,17 +21,30 @@ use crate::element::kernel::pair_stiffness::{Expansion, PAIRS, place};
 use crate::element::kernel::simd::Scratch;
 use crate::element::kernel::stations::Stations;
 use crate::element::kernel::vectorised::Vectorised;
-use crate::element::ring_functions::{RingFunctions, monomials};
+use crate::element::ring_functions::{RingFunctions, Term};
 use crate::instructions::Instructions;
 use crate::model::{ElementKind, Material, Quadrature};
 use crate::section::Section;
-use crate::section::basis::{SectionBasis, ring_functions};
+use crate::section::basis::SectionBasis;
 use pulp::{Arch, Simd};
 use std::f64::consts::PI;
 use tangent::RingTables;
 
 /// Share of the moments that the points across the wall may leave out.
 const LEFT_OUT_MOMENT_SHARE: f64 = 1e-17;
+
+/// A ring and functions over it.
+#[derive(Debug)]
+pub struct Over<'a> {
+    /// A hollow section.
+    pub section: &'a Section,
+    /// Largest power of the wall coordinate.
+    pub degree: usize,
+    /// Largest number of waves.
+    pub harmonics: usize,
+    /// What the vectors of a node multiply, each a sum of terms.
+    pub functions: Vec<Vec<Term>>,
+}
 
 /// A coefficient of F that a vector enters, with its factor.
 #[derive(Debug, Clone, Copy)]
@@ -140,10 +153,24 @@ impl RingElement {
         quadrature: Quadrature,
     ) -> Option<Self> {
         let SectionBasis::Ring { degree, harmonics } = kind.basis else { return None };
+        let terms = RingFunctions::new(section).terms(degree, harmonics, reference_length);
+        let functions = terms.into_iter().map(|term| vec![term]).collect();
+        let over = Over { section, degree, harmonics, functions };
+        Some(Self::of_functions(kind.axial_degree, over, material, length, quadrature))
+    }
+
+    /// Tables for an element of the given length (m) whose vectors multiply any functions over a ring.
+    pub fn of_functions(
+        axial_degree: usize,
+        Over { section, degree, harmonics, functions }: Over<'_>,
+        material: &Material,
+        length: f64,
+        quadrature: Quadrature,
+    ) -> Self {
         let (lambda, mu) = lame(material);
         let (ring, round) = (RingFunctions::new(section), section.is_axisymmetric());
         let directions = directions(&ring, round, degree, harmonics);
-        let vectors = vectors(&ring, round, (degree, harmonics), reference_length, &directions);
+        let vectors = vectors(&ring, round, degree, &functions, &directions);
         // four factors F
         let around = 4 * directions[1].harmonics + 1;
         let angles = Angles::new(around, 2 * directions[1].harmonics);
@@ -162,9 +189,9 @@ impl RingElement {
         });
         let law = law(&directions, &products, &moments, lambda, mu);
         // the integrand holds four factors of the axial degree
-        let count = quadrature.axial.unwrap_or(2 * kind.axial_degree + 1);
-        let stations = Stations::new(kind.axial_degree, length, count);
-        Some(Self {
+        let count = quadrature.axial.unwrap_or(2 * axial_degree + 1);
+        let stations = Stations::new(axial_degree, length, count);
+        Self {
             mu,
             lambda,
             viscosity: material.stiffness_damping,
@@ -178,7 +205,7 @@ impl RingElement {
             moments,
             stations,
             arch: Instructions::Widest.arch().unwrap_or(Arch::Scalar),
-        })
+        }
     }
 
     /// Computes with other vector instructions; those it had stay on a processor without the ones asked for.
@@ -323,28 +350,13 @@ fn directions(ring: &RingFunctions, round: bool, degree: usize, harmonics: usize
 fn vectors(
     ring: &RingFunctions,
     round: bool,
-    (degree, harmonics): (usize, usize),
-    reference_length: f64,
+    degree: usize,
+    functions: &[Vec<Term>],
     directions: &[Direction; 3],
 ) -> Vec<[Vec<Role>; 3]> {
-    let legendre = monomials(degree);
-    let by_rho = |p: &[f64]| -> Vec<f64> {
-        p.iter().enumerate().skip(1).map(|(e, c)| e as f64 * c / ring.half).collect()
-    };
-    let times_rho = |p: &[f64]| -> Vec<f64> {
-        let at = |e: usize| p.get(e).copied().unwrap_or(0.0);
-        (0..=p.len()).map(|e| ring.mean * at(e) + if e > 0 { ring.half * at(e - 1) } else { 0.0 }).collect()
-    };
-    let list = ring_functions(degree, harmonics);
-    list.iter()
-        .map(|f| {
-            let (value, slope) = match f.degree {
-                Some(a) => (legendre[a].clone(), by_rho(&legendre[a])),
-                None => {
-                    let scale = ring.outer[usize::from(f.sine)] / reference_length;
-                    (times_rho(&[scale]), vec![scale])
-                }
-            };
+    functions
+        .iter()
+        .map(|terms| {
             let mut roles = [const { Vec::new() }; 3];
             // waves of a negative number are those of its size, but for the sign of sines
             let mut add = |a: usize, polynomial: &[f64], (number, sine): (isize, bool), factor: f64| {
@@ -356,25 +368,27 @@ fn vectors(
                     }
                 }
             };
-            let (m, waves) = (f.waves as f64, f.waves as isize);
-            let sign = if f.sine { 1.0 } else { -1.0 };
-            add(0, &value, (waves, f.sine), 1.0);
-            if round {
-                add(1, &slope, (waves, f.sine), 1.0 / ring.outer[0]);
-                add(2, &value, (waves, !f.sine), sign * m / ring.outer[0]);
-            } else {
-                // rho f_y and rho f_z have the waves below and above
-                let radial = times_rho(&slope);
-                let both = |factor: f64| -> Vec<f64> {
-                    let at = |p: &[f64], e: usize| p.get(e).copied().unwrap_or(0.0);
-                    (0..=degree).map(|e| at(&radial, e) + factor * at(&value, e)).collect()
-                };
-                let (below, above) = (both(m), both(-m));
-                let [y, z] = ring.outer.map(|c| 0.5 / c);
-                add(1, &below, (waves - 1, f.sine), y);
-                add(1, &above, (waves + 1, f.sine), y);
-                add(2, &below, (waves - 1, !f.sine), sign * z);
-                add(2, &above, (waves + 1, !f.sine), -sign * z);
+            for Term { value, slope, waves, sine } in terms {
+                let (m, waves, sine) = (*waves as f64, *waves as isize, *sine);
+                let sign = if sine { 1.0 } else { -1.0 };
+                add(0, value, (waves, sine), 1.0);
+                if round {
+                    add(1, slope, (waves, sine), 1.0 / ring.outer[0]);
+                    add(2, value, (waves, !sine), sign * m / ring.outer[0]);
+                } else {
+                    // rho f_y and rho f_z have the waves below and above
+                    let radial = ring.times_rho(slope);
+                    let both = |factor: f64| -> Vec<f64> {
+                        let at = |p: &[f64], e: usize| p.get(e).copied().unwrap_or(0.0);
+                        (0..=degree).map(|e| at(&radial, e) + factor * at(value, e)).collect()
+                    };
+                    let (below, above) = (both(m), both(-m));
+                    let [y, z] = ring.outer.map(|c| 0.5 / c);
+                    add(1, &below, (waves - 1, sine), y);
+                    add(1, &above, (waves + 1, sine), y);
+                    add(2, &below, (waves - 1, !sine), sign * z);
+                    add(2, &above, (waves + 1, !sine), -sign * z);
+                }
             }
             roles
         })

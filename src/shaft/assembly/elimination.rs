@@ -15,7 +15,9 @@ pub(super) fn eliminate(model: &Model, numbering: &Numbering, supports: bool) ->
         let rows = if supports { attachments::constraint_rows(model, node) } else { Vec::new() };
         let start = numbering.index(node, 0, 0);
         let size = 3 * model.nodes[node].n_vectors();
-        let reduced = reduce(rows.clone());
+        let mut all = rows.clone();
+        all.extend(attachments::unmatched_kinks(model, node));
+        let reduced = reduce(all);
         constraints.extend(rows.into_iter().map(|row| (node, row)));
         let is_pivot = |i: usize| reduced.iter().any(|(pivot, _)| *pivot == i);
         let first_free = free.len();
@@ -32,6 +34,10 @@ pub(super) fn eliminate(model: &Model, numbering: &Numbering, supports: bool) ->
                 .collect();
         }
         follow(model, node, start, &mut expansion);
+        for coordinate in attachments::free_kinks(model, node) {
+            expansion[start + coordinate] = vec![(free.len(), 1.0)];
+            free.push(start + coordinate);
+        }
         for normal in numbering.normals(node) {
             expansion[normal] = vec![(free.len(), 1.0)];
             free.push(normal);

@@ -11,11 +11,12 @@ mod rigid_motions;
 pub use rigid_motions::RigidMotion;
 
 use crate::element::ElementMatrices;
-use crate::element::basis::rotation_matrix;
+use crate::element::basis::rotation_with_kinks;
 use crate::linalg::chain::{Layout, Link};
 use crate::linalg::sparse::{Sparse, from_columns};
 use crate::model::{Element, Gyroscopic, Material, Model};
 use crate::section::basis::SectionBasis;
+use crate::section::kinks::Kinks;
 use crate::shaft::attachments::{self, Contribution, Numbering};
 use elimination::eliminate;
 use faer::Mat;
@@ -103,7 +104,7 @@ impl<'a> Assembly<'a> {
     ) -> Self {
         let mut keys: Vec<&Element> = Vec::new();
         let same = |a: &Element, b: &Element| {
-            (a.kind, a.section, a.material) == (b.kind, b.section, b.material)
+            (a.kind, a.section, a.material, a.kinks) == (b.kind, b.section, b.material, b.kinks)
                 && (a.length - b.length).abs() <= 1e-13 * b.length
         };
         let element_type = model
@@ -120,10 +121,22 @@ impl<'a> Assembly<'a> {
             .iter()
             .map(|e| {
                 let (section, material) = (&model.sections[e.section], &model.materials[e.material]);
-                ElementMatrices::new(e.kind, section, material, e.length, model.reference_length)
+                let kind = (e.kind, &e.kinks);
+                ElementMatrices::with_kinks(kind, section, material, e.length, model.reference_length)
             })
             .collect();
         Self { model, numbering, expansion, free, distinct, element_type, constraints }
+    }
+
+    /// Free coordinates of kinked functions.
+    pub fn kinked_unknowns(&self) -> usize {
+        let of_node = |(node, at): (usize, &crate::model::Node)| {
+            let start = self.numbering.index(node, 0, 0);
+            let own = start + 3 * at.field.basis.count()..start + 3 * at.field.count();
+            let following = start + 3 * at.field.count()..self.numbering.normals(node).start;
+            self.free_among(own).len() + self.free_among(following).len()
+        };
+        self.model.nodes.iter().enumerate().map(of_node).sum()
     }
 
     /// Number of free coordinates.
@@ -201,7 +214,7 @@ impl<'a> Assembly<'a> {
 
     /// Coordinates of an element before constraints, in its own order.
     pub fn element_coordinates(&self, element: &Element) -> Vec<usize> {
-        let n_vectors = element.kind.n_vectors();
+        let n_vectors = element.n_vectors();
         (0..=element.kind.axial_degree)
             .flat_map(|i| {
                 let start = self.numbering.of_element(element, i);
@@ -346,7 +359,7 @@ impl<'a> Assembly<'a> {
     /// `beta K (D_theta - J) + alpha G / 2` (stationary frame; docs/theory/linear-rotordynamics.md#equations).
     pub fn circulatory(&self) -> Sparse {
         let material = |material: &Material, m: &ElementMatrices| {
-            let convected = &m.stiffness * convection(m.stiffness.nrows(), self.basis_of(m));
+            let convected = &m.stiffness * convection(m.stiffness.nrows(), &self.turn_of(m));
             convected * faer::Scale(material.stiffness_damping)
                 + &m.gyroscopic * faer::Scale(material.mass_damping / 2.0)
         };
@@ -364,7 +377,7 @@ impl<'a> Assembly<'a> {
     pub fn strain_circulatory(&self) -> Sparse {
         let strain = |material: &Material, m: &ElementMatrices| {
             &m.stiffness
-                * convection(m.stiffness.nrows(), self.basis_of(m))
+                * convection(m.stiffness.nrows(), &self.turn_of(m))
                 * faer::Scale(material.stiffness_damping)
         };
         self.build(self.has_viscosity().then_some(&strain), Vec::new())
@@ -390,11 +403,14 @@ impl<'a> Assembly<'a> {
         self.model.materials.iter().any(|m| m.stiffness_damping != 0.0 || m.mass_damping != 0.0)
     }
 
-    fn basis_of(&self, matrices: &ElementMatrices) -> SectionBasis {
+    /// Matrix of d_theta on the functions of the elements that have the given matrices.
+    fn turn_of(&self, matrices: &ElementMatrices) -> Mat<f64> {
         let of = |e: usize| std::ptr::eq(self.element_matrices(e), matrices);
-        (0..self.model.elements.len())
-            .find(|&e| of(e))
-            .map_or(SectionBasis::Monomials(1), |e| self.model.elements[e].kind.basis)
+        let element = (0..self.model.elements.len()).find(|&e| of(e)).map(|e| &self.model.elements[e]);
+        element.map_or_else(
+            || rotation_with_kinks(SectionBasis::Monomials(1), &Kinks::NONE),
+            |e| rotation_with_kinks(e.kind.basis, &e.kinks),
+        )
     }
 
     fn bearings(&self, law: impl Fn(&crate::model::Bearing) -> [[f64; 2]; 2]) -> Vec<Contribution> {
@@ -451,7 +467,7 @@ impl<'a> Assembly<'a> {
             nodes.chain(elements.last().map(|e| e.first_node + e.kind.axial_degree)).collect();
         let links = elements.iter().map(|e| {
             let coordinates = self.element_coordinates(e);
-            let n = 3 * e.kind.n_vectors();
+            let n = 3 * e.n_vectors();
             let (left, right) = (&coordinates[..n], &coordinates[coordinates.len() - n..]);
             let local = |list: &[usize], node: usize| {
                 let start = self.numbering.index(node, 0, 0);
@@ -554,8 +570,7 @@ fn symmetric_part(k: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
 }
 
 /// `D_theta - J` on element coordinates: what spin adds to the rate of strain, per unit speed.
-fn convection(size: usize, basis: SectionBasis) -> Mat<f64> {
-    let turn = rotation_matrix(basis);
+fn convection(size: usize, turn: &Mat<f64>) -> Mat<f64> {
     let n_vectors = turn.nrows();
     Mat::from_fn(size, size, |i, j| {
         let (vi, vj) = (i / 3, j / 3);

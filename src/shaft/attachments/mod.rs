@@ -7,7 +7,7 @@ mod hub;
 
 use crate::element::boundary_curve::{LinePoint, line};
 use crate::element::fields::SectionFunctions;
-use crate::model::{ActsOn, Disk, Element, Field, Hub, Model, SectionHold, SupportKind};
+use crate::model::{ActsOn, Disk, Element, Field, Hub, Model, Node, SectionHold, SupportKind};
 use crate::section::Section;
 use faer::Mat;
 
@@ -40,7 +40,7 @@ impl Numbering {
         let mut of_disk = vec![None; model.disks.len()];
         for (i, node) in model.nodes.iter().enumerate() {
             followers.push(offsets[i] + 3 * node.n_vectors());
-            normals.push(followers[i] + 3 * node.follower.map_or(0, |f| f.basis.count()));
+            normals.push(followers[i] + 3 * node.follower.map_or(0, |f| f.count()));
             let mut end = normals[i];
             for (disk, place) in model.disks.iter().zip(&mut of_disk) {
                 if disk.node == i && disk.thickness_inertia() > 0.0 {
@@ -118,11 +118,39 @@ pub fn section_at(model: &Model, node: usize) -> Option<Section> {
 /// The functions of a field of the model.
 pub fn functions(model: &Model, field: Field) -> SectionFunctions {
     SectionFunctions::new(field.basis, &model.sections[field.section], model.reference_length)
+        .with_kinks(field.kinks)
 }
 
 /// The functions that a node's own vectors multiply.
 pub fn functions_at(model: &Model, node: usize) -> SectionFunctions {
     functions(model, model.nodes[node].field)
+}
+
+/// Rows that hold what a node's own kinked functions would do on the area of a neighbour that lacks them.
+pub fn unmatched_kinks(model: &Model, node: usize) -> Vec<Vec<f64>> {
+    let Node { field, follower: Some(follower), .. } = model.nodes[node] else { return Vec::new() };
+    let Some(shared) = section_at(model, node).filter(|_| !field.kinks.is_empty()) else { return Vec::new() };
+    let own = functions(model, field);
+    let (free, followed) = (own.free_on(&shared), own.followed_by(&functions(model, follower), &shared));
+    let unmatched = (0..field.count()).filter(|&k| !free[k] && !followed[k]);
+    let unit = |at: usize| (0..3 * field.count()).map(|i| f64::from(i == at)).collect();
+    unmatched.flat_map(|k| (0..3).map(move |c| 3 * k + c)).map(unit).collect()
+}
+
+/// Coordinates, counted from the first of a node, of kinked functions of the neighbour that follows and that vanish on the
+/// area both sides share: they are free at the face of the step.
+pub fn free_kinks(model: &Model, node: usize) -> Vec<usize> {
+    let Node { field, follower: Some(follower), .. } = model.nodes[node] else { return Vec::new() };
+    let Some(shared) = section_at(model, node).filter(|_| !follower.kinks.is_empty()) else {
+        return Vec::new();
+    };
+    // a rigid hub holds the section as a whole
+    if model.disks.iter().any(|d| d.node == node && d.hub == Hub::Rigid) {
+        return Vec::new();
+    }
+    let free = functions(model, follower).free_on(&shared);
+    let vectors = (0..free.len()).filter(|&k| free[k]);
+    vectors.flat_map(|k| (0..3).map(move |c| 3 * (field.count() + k) + c)).collect()
 }
 
 /// True when a support at the node turns its section with the drive: driven ends and sections, and fixed components.

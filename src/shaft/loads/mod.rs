@@ -10,7 +10,7 @@ mod surface;
 use crate::element::basis::{evaluate, lagrange};
 use crate::element::boundary_curve::{LinePoint, line};
 use crate::element::quadrature::gauss;
-use crate::model::{Element, Field, Load, LoadKind, Model, Reading, SurfaceLoad, Traction};
+use crate::model::{Element, Load, LoadKind, Model, Reading, SurfaceLoad, Traction};
 use crate::section::Surface;
 use crate::shaft::attachments::{Contribution, Numbering, Region, displacement_weights, functions};
 use crate::shaft::internal_forces::ScalarMass;
@@ -285,7 +285,7 @@ fn add_dead_traction(model: &Model, numbering: &Numbering, e: &Element, t: &Trac
         .iter()
         .map(|l| gauss(e.kind.axial_degree).iter().map(|&(xi, w)| w * evaluate(l, xi) * e.length / 2.0).sum())
         .collect();
-    let functions = functions(model, Field { basis: e.kind.basis, section: e.section });
+    let functions = functions(model, e.field());
     // halves are not symmetric about z
     let whole = matches!(t.surface, Surface::Bore | Surface::Rim);
     let around = |odd: [bool; 2], weight: &dyn Fn(&LinePoint) -> f64| {
@@ -298,7 +298,7 @@ fn add_dead_traction(model: &Model, numbering: &Numbering, e: &Element, t: &Trac
             t.map(|t| around.iter().map(|a| t * a).collect())
         }
         SurfaceLoad::Pressure(p) => [
-            vec![0.0; e.kind.n_vectors()],
+            vec![0.0; e.n_vectors()],
             around([true, false], &|point| -p * point.normal[0]),
             around([false, true], &|point| -p * point.normal[1]),
         ],

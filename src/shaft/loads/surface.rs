@@ -7,7 +7,7 @@
 use crate::element::basis::{derivative, evaluate, lagrange};
 use crate::element::boundary_curve::{LinePoint, line};
 use crate::element::quadrature::gauss;
-use crate::model::{ActsOn, Element, Field, Model, SurfaceLoad, Traction};
+use crate::model::{ActsOn, Element, Model, SurfaceLoad, Traction};
 use crate::shaft::attachments::{Contribution, Numbering, Region, functions};
 use crate::shaft::loads::section::{frame, turn};
 use faer::Mat;
@@ -62,7 +62,7 @@ impl ElementSurface {
             })
             .collect();
         let section = &model.sections[e.section];
-        let field = Field { basis: e.kind.basis, section: e.section };
+        let field = e.field();
         let (functions, line) = (functions(model, field), line(section, load.surface));
         let acting = match load.load {
             SurfaceLoad::Pressure(p) => {
@@ -90,7 +90,7 @@ impl ElementSurface {
             }
         };
         let starts = (0..=degree).map(|i| numbering.of_element(e, i)).collect();
-        Self { starts, vectors: e.kind.n_vectors(), stations, acting }
+        Self { starts, vectors: e.n_vectors(), stations, acting }
     }
 
     /// `sum_i axial_i q_ik` of every vector k.

@@ -1,0 +1,277 @@
+//! Near a step: which kinked functions each side takes, over which length, and where its elements end.
+//!
+//! The face of a step leaves a corner, at which stress has no bound. Sections that deform only by the functions of their
+//! member cannot follow it on any mesh; kinked functions at and beside the smaller radius do. They reach as far as the
+//! disturbance. Source: docs/theory/steps.md, where the numbers are measured.
+
+use crate::check::mesh::SegmentPlan;
+use crate::section::Section;
+use crate::section::kinks::{Kink, Kinks};
+
+/// Most that [`Effort`] grows to.
+pub const FINEST: usize = 6;
+/// Length of a zone with kinks over the outer radius of its side: the side that reaches beyond the other, and the other one.
+const REACH: [f64; 2] = [0.8, 0.3];
+/// Length of the element beside a step over the smaller outer radius.
+const FIRST_ELEMENT: f64 = 0.5;
+/// Ratio of the lengths of elements one behind the other.
+const GROWTH: f64 = 3.0;
+/// Longest element of a graded mesh over the outer radius.
+const LONGEST: f64 = 2.0;
+/// Share of the smaller radius within which two radii are one.
+const SAME_RADIUS: f64 = 1e-6;
+
+/// Kinks of one effort.
+struct Effort {
+    /// Degree at the radius of the step.
+    at: usize,
+    /// Radii beside it on both sides: their distance over the radius, and the degree there.
+    beside: &'static [(f64, usize)],
+}
+
+/// Efforts 0 (none) to [`FINEST`].
+const EFFORTS: [Effort; FINEST + 1] = [
+    Effort { at: 0, beside: &[] },
+    Effort { at: 1, beside: &[] },
+    Effort { at: 2, beside: &[] },
+    Effort { at: 2, beside: &[(0.1, 1)] },
+    Effort { at: 2, beside: &[(0.15, 2)] },
+    Effort { at: 4, beside: &[(0.15, 2)] },
+    Effort { at: 4, beside: &[(0.2, 2), (0.07, 2)] },
+];
+
+/// The part of a segment beside a step.
+#[derive(Debug, Clone)]
+struct Zone {
+    /// Length along the segment, m.
+    length: f64,
+    /// Length of the element at the face, m.
+    first: f64,
+    kinks: Vec<Kink>,
+}
+
+/// What the steps at the ends of a segment ask of it.
+#[derive(Debug, Clone, Default)]
+pub struct Steps {
+    /// Places where elements end, measured from the left end of the segment, m.
+    pub cuts: Vec<f64>,
+    /// At the left and the right end.
+    zones: [Option<Zone>; 2],
+    /// Length of the segment, m.
+    length: f64,
+}
+
+impl Steps {
+    /// The steps of one of the segments.
+    pub fn new(plans: &[SegmentPlan], sections: &[Section], segment: usize) -> Self {
+        let plan = &plans[segment];
+        let zone = |other: Option<&SegmentPlan>| {
+            let other = &sections[other?.section];
+            zone(&sections[plan.section], other, plan.kinks)
+        };
+        let zones = [zone(segment.checked_sub(1).map(|i| &plans[i])), zone(plans.get(segment + 1))];
+        let asked = plan.length / plan.elements as f64;
+        let longest = asked.min(LONGEST * sections[plan.section].outer_size());
+        Self { cuts: cuts(plan.length, longest, &zones), zones, length: plan.length }
+    }
+
+    /// The kinks between two places, measured from the left end.
+    pub fn kinks(&self, from: f64, to: f64) -> Kinks {
+        let middle = (from + to) / 2.0;
+        let [left, right] = &self.zones;
+        let reach = |zone: &Option<Zone>| zone.as_ref().map_or(0.0, |z| z.length);
+        // zones that meet are one
+        let one = reach(left) + reach(right) >= self.length;
+        let in_left = left.as_ref().filter(|z| one || middle < z.length);
+        let in_right = right.as_ref().filter(|z| one || middle > self.length - z.length);
+        let all: Vec<Kink> = in_left.into_iter().chain(in_right).flat_map(|z| z.kinks.clone()).collect();
+        Kinks::new(&all)
+    }
+}
+
+/// The effort of every segment; where none is asked for, one that suits the steps at its ends.
+pub fn efforts(segments: &[(Option<usize>, Section, f64)]) -> Vec<usize> {
+    let automatic = |i: usize| {
+        let (_, own, length) = &segments[i];
+        let neighbours = [i.checked_sub(1), Some(i + 1)].map(|j| segments.get(j?));
+        neighbours.into_iter().flatten().map(|(_, other, _)| suits(own, other, *length)).max().unwrap_or(0)
+    };
+    (0..segments.len()).map(|i| segments[i].0.unwrap_or_else(|| automatic(i))).collect()
+}
+
+/// Largest relative error of the first four bending motions that a step of one height (difference of radii over the smaller
+/// outer radius) leaves without kinks; from the random shafts in docs/theory/steps.md#effort.
+const WITHOUT_KINKS: [(f64, f64); 8] = [
+    (0.0, 0.0),
+    (0.15, 0.007),
+    (0.3, 0.011),
+    (0.4, 0.02),
+    (0.6, 0.027),
+    (1.0, 0.035),
+    (3.0, 0.045),
+    (9.0, 0.05),
+];
+/// The share of the error without kinks that each effort leaves; upper bounds of the same shafts.
+pub const SHARE_LEFT: [f64; FINEST + 1] = [1.0, 0.75, 0.36, 0.2, 0.14, 0.12, 0.1];
+/// Relative error that an automatic effort aims at.
+const AIM: f64 = 0.005;
+/// Height above which a short piece is a disk that bends by itself.
+const DISK_HEIGHT: f64 = 0.5;
+/// Length of such a piece over its radius.
+const DISK_LENGTH: f64 = 0.5;
+/// Effort for it.
+const DISK_EFFORT: usize = 5;
+
+/// Error that a step of a height leaves at an effort.
+fn error_left(height: f64, effort: usize) -> f64 {
+    let k = WITHOUT_KINKS[1..].iter().position(|(at, _)| height <= *at).unwrap_or(WITHOUT_KINKS.len() - 2);
+    let [(a, low), (b, high)] = [WITHOUT_KINKS[k], WITHOUT_KINKS[k + 1]];
+    let share = ((height - a) / (b - a)).clamp(0.0, 1.0);
+    SHARE_LEFT[effort.min(FINEST)] * (low + (high - low) * share)
+}
+
+/// Height of a step: how far a section reaches beyond what it has in common with its neighbour, over the smaller outer
+/// radius.
+fn height(own: &Section, common: &Section) -> f64 {
+    (own.outer[0] - common.outer[0]).max(common.inner[0] - own.inner[0]) / common.outer[0]
+}
+
+/// The effort that suits a step seen from one of its sides.
+fn suits(own: &Section, other: &Section, length: f64) -> usize {
+    let Some(common) = own.common(other) else { return 0 };
+    if height(own, &common) > DISK_HEIGHT && length < DISK_LENGTH * own.outer[0] {
+        return DISK_EFFORT;
+    }
+    let height = height(own, &common).max(height(other, &common));
+    (0..FINEST).find(|&effort| error_left(height, effort) <= AIM).unwrap_or(FINEST)
+}
+
+/// Largest error that the steps at the ends of a segment leave at the efforts of both sides; 0 without steps.
+pub fn estimate(segments: &[(Option<usize>, Section, f64)], efforts: &[usize], i: usize) -> f64 {
+    let own = &segments[i].1;
+    let of = |j: Option<usize>| {
+        let other = &segments.get(j?)?.1;
+        let common = own.common(other)?;
+        Some(error_left(height(own, &common).max(height(other, &common)), efforts[i].min(efforts[j?])))
+    };
+    [i.checked_sub(1), Some(i + 1)].into_iter().filter_map(of).fold(0.0, f64::max)
+}
+
+/// What a step asks of one of its sides; `None` where there is none, or none that kinks can follow.
+fn zone(own: &Section, other: &Section, effort: usize) -> Option<Zone> {
+    let common = own.common(other).filter(|_| own.is_axisymmetric() && other.is_axisymmetric())?;
+    let (inner, outer) = (common.inner[0], common.outer[0]);
+    let apart = |a: f64, b: f64| (a - b).abs() > SAME_RADIUS * outer;
+    let steps = [apart(own.outer[0], other.outer[0]), apart(own.inner[0], other.inner[0])];
+    if effort == 0 || steps == [false; 2] {
+        return None;
+    }
+    let effort = &EFFORTS[effort.min(FINEST)];
+    let mut kinks = Vec::new();
+    let wall = (outer - inner) / 2.0;
+    if steps[0] {
+        let mut add = |radius, degree| kinks.push(Kink { radius, degree, inward: false });
+        let beyond = (own.outer[0] - outer) / 2.0;
+        if own.outer[0] > outer {
+            add(outer, effort.at);
+        }
+        for &(share, degree) in effort.beside {
+            add(outer - (share * outer).min(wall), degree);
+            if own.outer[0] > outer {
+                add(outer + (share * outer).min(beyond), degree);
+            }
+        }
+    }
+    if steps[1] && own.is_hollow() {
+        let mut add = |radius, degree| kinks.push(Kink { radius, degree, inward: true });
+        let beyond = (inner - own.inner[0]) / 2.0;
+        if own.inner[0] < inner {
+            add(inner, effort.at);
+        }
+        for &(share, degree) in effort.beside.iter().filter(|_| other.is_hollow()) {
+            add(inner + (share * inner).min(wall), degree);
+            if own.inner[0] < inner {
+                add(inner - (share * inner).min(beyond), degree);
+            }
+        }
+    }
+    if steps[1] && !own.is_hollow() {
+        // a core cannot be cut out: it takes functions that the wall of the neighbour has, too
+        kinks.push(Kink { radius: inner, degree: effort.at.max(2), inward: false });
+    }
+    let beyond = own.outer[0] > outer || own.inner[0] < inner;
+    let reach = REACH[usize::from(!beyond)] * own.outer[0];
+    Some(Zone { length: reach, first: FIRST_ELEMENT * outer, kinks })
+}
+
+/// Ends of the elements of a graded mesh within a segment, none at its own ends.
+fn cuts(length: f64, longest: f64, zones: &[Option<Zone>; 2]) -> Vec<f64> {
+    let reach = |i: usize| zones[i].as_ref().map_or(0.0, |z| z.length);
+    // up to where each side may put ends
+    let share = |i: usize| match (&zones[i], &zones[1 - i]) {
+        (None, _) => 0.0,
+        (Some(_), None) => length,
+        (Some(a), Some(b)) => length * a.first / (a.first + b.first),
+    };
+    let from_end = |i: usize| -> Vec<f64> {
+        let Some(zone) = &zones[i] else { return Vec::new() };
+        let (mut list, mut at, mut size) = (Vec::new(), 0.0, zone.first);
+        let whole = reach(0) + reach(1) >= length;
+        while at < zone.length || size < longest {
+            let next = at + size.min(longest.max(zone.first));
+            // an end of the zone is one of an element, unless the next or the last one is close to it
+            let ends = !whole && at < zone.length && next > zone.length - 0.3 * size;
+            at = if ends { zone.length } else { next };
+            if at > share(i) - 0.3 * size.min(longest) {
+                break;
+            }
+            list.push(at);
+            size *= GROWTH;
+        }
+        list
+    };
+    let mut list = from_end(0);
+    list.extend(from_end(1).into_iter().rev().map(|x| length - x));
+    list
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn graded(length: f64, own: f64, others: [Option<f64>; 2]) -> Vec<f64> {
+        let zone = |other: Option<f64>| zone(&Section::circle(own), &Section::circle(other?), 3);
+        let zones = others.map(zone);
+        cuts(length, 2.0 * own, &zones)
+    }
+
+    fn close(a: &[f64], b: &[f64]) {
+        let same = a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(same, "{a:?} {b:?}");
+    }
+
+    #[test]
+    fn elements_grow_away_from_a_step_up_to_the_end_of_its_zone() {
+        close(&graded(20.0, 1.0, [Some(2.0), None]), &[0.5, 1.5]);
+        close(&graded(20.0, 5.0, [None, Some(1.0)]), &[5.5, 12.5, 15.625, 18.25, 19.5]);
+        // both zones meet
+        close(&graded(6.0, 5.0, [Some(1.0), Some(1.0)]), &[0.5, 1.75, 4.25, 5.5]);
+        assert!(graded(6.0, 5.0, [None, None]).is_empty());
+    }
+
+    #[test]
+    fn kinks_stand_at_the_common_radius_and_beside_it() {
+        let [thin, thick, tube] = [Section::circle(1.0), Section::circle(2.0), Section::tube(1.0, 0.5)];
+        let radii = |a, b, effort| -> Vec<(f64, usize, bool)> {
+            let zone = zone(a, b, effort).expect("a step");
+            Kinks::new(&zone.kinks).iter().map(|k| (k.radius, k.degree, k.inward)).collect()
+        };
+        assert_eq!(radii(&thick, &thin, 2), [(1.0, 2, false)]);
+        assert_eq!(radii(&thick, &thin, 3), [(0.9, 1, false), (1.0, 2, false), (1.1, 1, false)]);
+        assert_eq!(radii(&thin, &thick, 3), [(0.9, 1, false)]);
+        assert_eq!(radii(&thin, &tube, 1), [(0.5, 2, false)]);
+        assert_eq!(radii(&Section::tube(1.0, 0.2), &tube, 1), [(0.5, 1, true)]);
+        assert!(zone(&thick, &thin, 0).is_none() && zone(&thin, &thin, 3).is_none());
+        assert!(zone(&thick, &Section::rectangle(1.0, 1.0), 3).is_none());
+    }
+}
