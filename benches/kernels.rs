@@ -4,12 +4,14 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use rotor::element::Kernel;
 use rotor::element::kernel::simd::Scratch;
+use rotor::element::kinked::KinkedElement;
 use rotor::element::polynomial::NonlinearElement;
 use rotor::element::ring::RingElement;
 use rotor::instructions::Instructions;
 use rotor::model::{ElementKind, Law, Material, Quadrature};
 use rotor::section::Section;
 use rotor::section::basis::SectionBasis;
+use rotor::section::kinks::{Kink, Kinks};
 
 fn main() {
     divan::main();
@@ -112,6 +114,44 @@ fn ring(degree: usize, harmonics: usize) -> Option<(RingElement, Vec<f64>)> {
         })
         .collect();
     Some((element, q))
+}
+
+/// 34X3 with the kinks of effort 4 at half the radius of a solid of radius .2.
+fn kinked() -> (KinkedElement, Vec<f64>) {
+    let kind = ElementKind { axial_degree: 3, basis: SectionBasis::Monomials(3), law: Law::Continuum };
+    let at = |radius| Kink { radius, degree: 2, inward: false };
+    let kinks = Kinks::new(&[at(0.085), at(0.1), at(0.115)]);
+    let with = (Quadrature::EXACT, Instructions::Widest);
+    let element = KinkedElement::new((kind, &kinks), &Section::circle(0.2), &STEEL, 0.3, 0.2, with);
+    let n = kind.n_vectors() + kinks.count();
+    let q = (0..element.size())
+        .map(|i| {
+            let (node, vector, c) = (i / 3 / n, i / 3 % n, i % 3);
+            let straight = match (vector, c) {
+                (0, 0) => 0.1 * node as f64,
+                (1, 1) | (2, 2) => 0.2,
+                _ => 0.0,
+            };
+            straight + 0.001 * (0.7 * i as f64).sin()
+        })
+        .collect();
+    (element, q)
+}
+
+#[divan::bench]
+fn kinked_force(bencher: Bencher<'_, '_>) {
+    let (element, q) = kinked();
+    let mut scratch = Scratch::default();
+    let mut force = vec![0.0; q.len()];
+    bencher.bench_local(|| element.internal_force(divan::black_box(&q), None, &mut force, &mut scratch));
+}
+
+#[divan::bench]
+fn kinked_tangent(bencher: Bencher<'_, '_>) {
+    let (element, q) = kinked();
+    let mut scratch = Scratch::default();
+    let mut tangent = vec![0.0; q.len() * q.len()];
+    bencher.bench_local(|| element.tangent(divan::black_box(&q), &mut tangent, &mut scratch));
 }
 
 const RINGS: [(usize, usize); 5] = [(1, 2), (1, 3), (2, 3), (3, 3), (3, 4)];

@@ -203,7 +203,7 @@ fn places_of_steps(model: &Model) -> Vec<(f64, f64)> {
     let step = |pair: &[Element]| {
         let sections = [&pair[0], &pair[1]].map(|e| &model.sections[e.section]);
         let radius = sections[0].outer_size().min(sections[1].outer_size());
-        (pair[0].section != pair[1].section).then_some((pair[1].x, radius))
+        (sections[0] != sections[1]).then_some((pair[1].x, radius))
     };
     model.elements.windows(2).filter_map(step).collect()
 }
@@ -233,7 +233,7 @@ pub fn kink_remarks(assembly: &Assembly<'_>, diagnostics: &mut Vec<Diagnostic>) 
 /// of the section that no member has.
 fn plate_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
     let mut start = 0;
-    for piece in model.elements.chunk_by(|a, b| a.section == b.section) {
+    for piece in model.elements.chunk_by(|a, b| model.sections[a.section] == model.sections[b.section]) {
         let (section, end) = (&model.sections[piece[0].section], start + piece.len());
         let beside = [start.checked_sub(1), Some(end)].map(|i| model.elements.get(i?));
         let shaft = beside.into_iter().flatten().map(|e| model.sections[e.section].outer_size());

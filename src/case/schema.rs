@@ -104,7 +104,7 @@ pub fn schema() -> Value {
         set(&mut schema, definition, key, "maxItems", 3.into());
     }
     for definition in ["Shaft", "Segment"] {
-        let family = json!([{ "enum": ELEMENTS }, { "pattern": "^34R[1-6][1-9]$" }, { "type": "null" }]);
+        let family = json!([{ "enum": ELEMENTS }, { "pattern": "^(34X[1-5]|34R[1-9][1-9]|auto)(k[0-6])?$" }, { "type": "null" }]);
         set(&mut schema, definition, "element", "anyOf", family);
     }
     set(&mut schema, "Body", "element", "enum", json!(["2322s", "3333s", "34X3"]));

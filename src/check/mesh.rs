@@ -1,6 +1,6 @@
 //! Elements and nodes along the shaft: segments laid end to end, cut where something stands.
 
-use crate::check::steps::Steps;
+use crate::check::steps::{Neighbour, Steps, most};
 use crate::model::{Element, ElementKind, Field, Node};
 use crate::section::Section;
 use crate::section::kinks::Kinks;
@@ -47,19 +47,20 @@ impl Mesh {
         let mut mesh = Self { elements: Vec::new(), nodes: Vec::new() };
         let mut start = 0.0;
         for (segment, plan) in plans.iter().enumerate() {
-            let steps = Steps::new(plans, sections, segment);
+            let (steps, before) = steps(plans, sections, segment);
+            let graded = steps.cuts.iter().map(|x| start + x - before);
             let end = start + plan.length;
             let same = (SAME_PLACE_PER_LENGTH * length).min(plan.length / 4.0);
             let mut cuts: Vec<f64> =
                 positions.iter().copied().filter(|x| *x > start + same && *x < end - same).collect();
             cuts.extend([start, end]);
-            cuts.extend(steps.cuts.iter().map(|x| start + x));
+            let graded: Vec<f64> = graded.filter(|x| *x > start + same && *x < end - same).collect();
+            cuts.extend(&graded);
             cuts.sort_by(f64::total_cmp);
             cuts.dedup_by(|a, b| *a - *b <= same);
             let pieces: Vec<(f64, f64)> = cuts.windows(2).map(|c| (c[0], c[1])).collect();
-            for (&(a, b), count) in pieces.iter().zip(share(&pieces, plan.elements + steps.cuts.len() as u64))
-            {
-                let kinks = steps.kinks(a - start, b - start);
+            for (&(a, b), count) in pieces.iter().zip(share(&pieces, plan.elements + graded.len() as u64)) {
+                let kinks = steps.kinks(a - start + before, b - start + before);
                 for k in 0..count {
                     let at = |k: u64| a + (b - a) * k as f64 / count as f64;
                     mesh.push((plan, kinks), sections, at(k), (b - a) / count as f64);
@@ -110,6 +111,31 @@ impl Mesh {
     pub fn element_at(&self, x: f64) -> Option<&Element> {
         self.elements.iter().find(|e| x <= e.x + e.length).or(self.elements.last())
     }
+}
+
+/// What steps ask of a segment: those at the ends of the piece of one section that it belongs to, and where it starts in that
+/// piece, m.
+fn steps(plans: &[SegmentPlan], sections: &[Section], segment: usize) -> (Steps, f64) {
+    let plan = &plans[segment];
+    if plan.kinks == 0 {
+        return (Steps::default(), 0.0);
+    }
+    let same = |p: &&SegmentPlan| sections[p.section] == sections[plan.section];
+    let before: Vec<&SegmentPlan> = plans[..segment].iter().rev().take_while(same).collect();
+    let after: Vec<&SegmentPlan> = plans[segment + 1..].iter().take_while(same).collect();
+    let neighbour = |i: Option<usize>| {
+        let other = plans.get(i?)?;
+        // both sides of a step take the same kinks
+        let effort = if other.kinks == 0 { plan.kinks } else { plan.kinks.max(other.kinks) };
+        let effort = effort.min(most(plan.kind.basis)).min(most(other.kind.basis));
+        Some(Neighbour { section: &sections[other.section], effort })
+    };
+    let neighbours =
+        [neighbour(segment.checked_sub(before.len() + 1)), neighbour(Some(segment + after.len() + 1))];
+    let start: f64 = before.iter().map(|p| p.length).sum();
+    let length = start + plan.length + after.iter().map(|p| p.length).sum::<f64>();
+    let longest = plan.length / plan.elements as f64;
+    (Steps::new(&sections[plan.section], neighbours, length, longest), start)
 }
 
 /// True when the vectors of two sides multiply the same functions.

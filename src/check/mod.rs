@@ -274,7 +274,15 @@ impl Input<'_> {
                 choices.push(ElementChoice { text, segment: i, estimated_error });
             }
             let kind = asked.or(chosen.map(continuum)).unwrap_or(continuum(SectionBasis::Monomials(3)));
-            kinds.push(Taken { kind, effort: efforts[i] });
+            if effort.is_some_and(|effort| effort > steps::most(kind.basis)) {
+                let most = steps::most(kind.basis);
+                return self.fault(
+                    &format!("shaft.segments.{i}.element"),
+                    format!("{} has too high a radial degree for kinks of this effort", kind.name()),
+                    format!("k0 to k{most}, or a radial degree up to 5; \"auto\" chooses both"),
+                );
+            }
+            kinds.push(Taken { kind, effort: efforts[i].min(steps::most(kind.basis)) });
         }
         Ok((kinds, choices))
     }

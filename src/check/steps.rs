@@ -4,8 +4,8 @@
 //! member cannot follow it on any mesh; kinked functions at and beside the smaller radius do. They reach as far as the
 //! disturbance. Source: docs/theory/steps.md, where the numbers are measured.
 
-use crate::check::mesh::SegmentPlan;
 use crate::section::Section;
+use crate::section::basis::SectionBasis;
 use crate::section::kinks::{Kink, Kinks};
 
 /// Most that [`Effort`] grows to.
@@ -20,6 +20,9 @@ const GROWTH: f64 = 3.0;
 const LONGEST: f64 = 2.0;
 /// Share of the smaller radius within which two radii are one.
 const SAME_RADIUS: f64 = 1e-6;
+
+/// Share of a radius within which two kinks are one.
+const NEAR_RADIUS: f64 = 0.01;
 
 /// Kinks of one effort.
 struct Effort {
@@ -47,35 +50,40 @@ struct Zone {
     length: f64,
     /// Length of the element at the face, m.
     first: f64,
-    kinks: Vec<Kink>,
+    /// Kinks where the area ends that both sides share.
+    at: Vec<Kink>,
+    /// Kinks beside them.
+    beside: Vec<Kink>,
 }
 
-/// What the steps at the ends of a segment ask of it.
+/// A neighbour at an end of a piece of the shaft.
+#[derive(Debug, Clone, Copy)]
+pub struct Neighbour<'a> {
+    /// Its section.
+    pub section: &'a Section,
+    /// Effort at the step: that of both sides where both have one, else that of the piece.
+    pub effort: usize,
+}
+
+/// What the steps at the ends of a piece of one section ask of it.
 #[derive(Debug, Clone, Default)]
 pub struct Steps {
-    /// Places where elements end, measured from the left end of the segment, m.
+    /// Places where elements end, measured from the left end of the piece, m.
     pub cuts: Vec<f64>,
     /// At the left and the right end.
     zones: [Option<Zone>; 2],
-    /// Length of the segment, m.
+    /// Length of the piece, m.
     length: f64,
 }
 
 impl Steps {
-    /// The steps of one of the segments.
-    pub fn new(plans: &[SegmentPlan], sections: &[Section], segment: usize) -> Self {
-        let plan = &plans[segment];
-        let zone = |other: Option<&SegmentPlan>| {
-            let other = &sections[other?.section];
-            zone(&sections[plan.section], other, plan.kinks)
-        };
-        let zones = [zone(segment.checked_sub(1).map(|i| &plans[i])), zone(plans.get(segment + 1))];
-        let asked = plan.length / plan.elements as f64;
-        let longest = asked.min(LONGEST * sections[plan.section].outer_size());
-        Self { cuts: cuts(plan.length, longest, &zones), zones, length: plan.length }
+    /// The steps of a piece between neighbours; `longest` is the length of an element (m) that was asked for.
+    pub fn new(own: &Section, neighbours: [Option<Neighbour<'_>>; 2], length: f64, longest: f64) -> Self {
+        let zones = neighbours.map(|other| zone(own, other?.section, other?.effort));
+        Self { cuts: cuts(length, longest.min(LONGEST * own.outer_size()), &zones), zones, length }
     }
 
-    /// The kinks between two places, measured from the left end.
+    /// The kinks between two places, measured from the left end of the piece.
     pub fn kinks(&self, from: f64, to: f64) -> Kinks {
         let middle = (from + to) / 2.0;
         let [left, right] = &self.zones;
@@ -84,19 +92,56 @@ impl Steps {
         let one = reach(left) + reach(right) >= self.length;
         let in_left = left.as_ref().filter(|z| one || middle < z.length);
         let in_right = right.as_ref().filter(|z| one || middle > self.length - z.length);
-        let all: Vec<Kink> = in_left.into_iter().chain(in_right).flat_map(|z| z.kinks.clone()).collect();
-        Kinks::new(&all)
+        let zones: Vec<&Zone> = in_left.into_iter().chain(in_right).collect();
+        let mut kept: Vec<Kink> = Vec::new();
+        for kink in zones.iter().flat_map(|z| &z.at) {
+            let near =
+                |k: &Kink| k.inward == kink.inward && (k.radius - kink.radius).abs() < NEAR_RADIUS * k.radius;
+            match kept.iter().position(near) {
+                // the one of two that vanishes on both shared areas
+                Some(i) => {
+                    let farther = if kink.inward { f64::min } else { f64::max };
+                    kept[i].radius = farther(kept[i].radius, kink.radius);
+                    kept[i].degree = kept[i].degree.max(kink.degree);
+                }
+                None => kept.push(*kink),
+            }
+        }
+        for kink in zones.iter().flat_map(|z| &z.beside) {
+            // functions of radii that are close to each other can hardly be told apart
+            let near = |k: &Kink| (k.radius - kink.radius).abs() < NEAR_RADIUS * k.radius;
+            match kept.iter().position(near) {
+                Some(i) if kept[i].is_at(kink) => kept[i].degree = kept[i].degree.max(kink.degree),
+                Some(_) => {}
+                None => kept.push(*kink),
+            }
+        }
+        Kinks::new(&kept)
     }
 }
 
-/// The effort of every segment; where none is asked for, one that suits the steps at its ends.
+/// Most effort that suits the functions of a member: polynomials of a high degree across a wall can hardly be told from kinks of
+/// a high degree.
+pub fn most(basis: SectionBasis) -> usize {
+    match basis {
+        SectionBasis::Ring { degree: 6.., .. } => 4,
+        _ => FINEST,
+    }
+}
+
+/// The effort of every segment; where none is asked for, one that suits the steps at the ends of the piece of one section
+/// that it belongs to.
 pub fn efforts(segments: &[(Option<usize>, Section, f64)]) -> Vec<usize> {
-    let automatic = |i: usize| {
-        let (_, own, length) = &segments[i];
-        let neighbours = [i.checked_sub(1), Some(i + 1)].map(|j| segments.get(j?));
-        neighbours.into_iter().flatten().map(|(_, other, _)| suits(own, other, *length)).max().unwrap_or(0)
-    };
-    (0..segments.len()).map(|i| segments[i].0.unwrap_or_else(|| automatic(i))).collect()
+    let mut list = Vec::with_capacity(segments.len());
+    for piece in segments.chunk_by(|a, b| a.1 == b.1) {
+        let (first, own) = (list.len(), &piece[0].1);
+        let length = piece.iter().map(|s| s.2).sum();
+        let neighbours = [first.checked_sub(1), Some(first + piece.len())];
+        let suits = |i: usize| segments.get(i).map_or(0, |other| suits(own, &other.1, length));
+        let automatic = neighbours.into_iter().flatten().map(suits).max().unwrap_or(0);
+        list.extend(piece.iter().map(|s| s.0.unwrap_or(automatic)));
+    }
+    list
 }
 
 /// Largest relative error of the first four bending motions that a step of one height (difference of radii over the smaller
@@ -167,41 +212,36 @@ fn zone(own: &Section, other: &Section, effort: usize) -> Option<Zone> {
         return None;
     }
     let effort = &EFFORTS[effort.min(FINEST)];
-    let mut kinks = Vec::new();
+    let (mut at, mut beside) = (Vec::new(), Vec::new());
     let wall = (outer - inner) / 2.0;
+    let outward = |radius, degree| Kink { radius, degree, inward: false };
+    let inward = |radius, degree| Kink { radius, degree, inward: true };
     if steps[0] {
-        let mut add = |radius, degree| kinks.push(Kink { radius, degree, inward: false });
         let beyond = (own.outer[0] - outer) / 2.0;
-        if own.outer[0] > outer {
-            add(outer, effort.at);
+        if beyond > 0.0 {
+            at.push(outward(outer, effort.at));
+            beside.extend(effort.beside.iter().map(|&(s, d)| outward(outer + (s * outer).min(beyond), d)));
         }
-        for &(share, degree) in effort.beside {
-            add(outer - (share * outer).min(wall), degree);
-            if own.outer[0] > outer {
-                add(outer + (share * outer).min(beyond), degree);
-            }
-        }
+        beside.extend(effort.beside.iter().map(|&(s, d)| outward(outer - (s * outer).min(wall), d)));
     }
     if steps[1] && own.is_hollow() {
-        let mut add = |radius, degree| kinks.push(Kink { radius, degree, inward: true });
         let beyond = (inner - own.inner[0]) / 2.0;
-        if own.inner[0] < inner {
-            add(inner, effort.at);
+        if beyond > 0.0 {
+            at.push(inward(inner, effort.at));
+            beside.extend(effort.beside.iter().map(|&(s, d)| inward(inner - (s * inner).min(beyond), d)));
         }
-        for &(share, degree) in effort.beside.iter().filter(|_| other.is_hollow()) {
-            add(inner + (share * inner).min(wall), degree);
-            if own.inner[0] < inner {
-                add(inner - (share * inner).min(beyond), degree);
-            }
+        if other.is_hollow() {
+            // beside the functions of a wall an outward kink does what an inward one does
+            beside.extend(effort.beside.iter().map(|&(s, d)| outward(inner + (s * inner).min(wall), d)));
         }
     }
     if steps[1] && !own.is_hollow() {
         // a core cannot be cut out: it takes functions that the wall of the neighbour has, too
-        kinks.push(Kink { radius: inner, degree: effort.at.max(2), inward: false });
+        at.push(outward(inner, effort.at.max(2)));
     }
     let beyond = own.outer[0] > outer || own.inner[0] < inner;
     let reach = REACH[usize::from(!beyond)] * own.outer[0];
-    Some(Zone { length: reach, first: FIRST_ELEMENT * outer, kinks })
+    Some(Zone { length: reach, first: FIRST_ELEMENT * outer, at, beside })
 }
 
 /// Ends of the elements of a graded mesh within a segment, none at its own ends.
@@ -263,8 +303,9 @@ mod tests {
     fn kinks_stand_at_the_common_radius_and_beside_it() {
         let [thin, thick, tube] = [Section::circle(1.0), Section::circle(2.0), Section::tube(1.0, 0.5)];
         let radii = |a, b, effort| -> Vec<(f64, usize, bool)> {
-            let zone = zone(a, b, effort).expect("a step");
-            Kinks::new(&zone.kinks).iter().map(|k| (k.radius, k.degree, k.inward)).collect()
+            let neighbour = Neighbour { section: b, effort };
+            let steps = Steps::new(a, [Some(neighbour), None], 10.0, 1.0);
+            steps.kinks(0.0, 0.1).iter().map(|k| (k.radius, k.degree, k.inward)).collect()
         };
         assert_eq!(radii(&thick, &thin, 2), [(1.0, 2, false)]);
         assert_eq!(radii(&thick, &thin, 3), [(0.9, 1, false), (1.0, 2, false), (1.1, 1, false)]);

@@ -5,7 +5,8 @@
 //! Integrals of monomials are closed forms; functions of rings are in [`crate::element::ring_functions`]. Source: docs/theory/elements.md#kinematics and
 //! docs/theory/elements.md#matrices.
 
-use crate::element::{kinked, ring_functions};
+use crate::element::cells::{cells, degrees, on_ring};
+use crate::element::ring_functions::{self, RingFunctions, Sums};
 use crate::section::Section;
 use crate::section::basis::SectionBasis;
 pub use crate::section::basis::{exponents, vector_name};
@@ -120,8 +121,32 @@ impl SectionProducts {
         if kinks.is_empty() {
             return Self::new(basis, section, reference_length);
         }
-        let (gradients, rotation, rotation_rotation) =
-            kinked::products(basis, kinks, section, reference_length);
+        let (core, rings) = cells(section, kinks);
+        let n = basis.count() + kinks.count();
+        let mut sums: Sums = [(); 16].map(|()| Mat::zeros(n, n));
+        if let Some(core) = core {
+            let of_core = Self::new(basis, &core, reference_length);
+            let mut add = |place: usize, matrix: &Mat<f64>| {
+                for l in 0..matrix.ncols() {
+                    for k in 0..matrix.nrows() {
+                        sums[place][(k, l)] += matrix[(k, l)];
+                    }
+                }
+            };
+            (0..3).for_each(|a| (0..3).for_each(|b| add(4 * a + b, of_core.gradient(a, b))));
+            add(3, &of_core.rotation);
+            add(15, &of_core.rotation_rotation);
+        }
+        let (degree, harmonics) = degrees(basis, kinks);
+        for cell in rings {
+            let terms = on_ring(basis, kinks, section, &cell, reference_length);
+            let ring = RingFunctions::new(&cell);
+            let at = |rho, theta| ring.of_terms(&terms, rho, theta);
+            let of_ring = ring.sums(n, 2 * degree + 2, harmonics, &at);
+            sums.iter_mut().zip(of_ring).for_each(|(sum, part)| *sum += part);
+        }
+        let odd: Vec<[bool; 2]> = basis.odd().into_iter().chain(kinks.odd()).collect();
+        let (gradients, rotation, rotation_rotation) = ring_functions::clean(&sums, &odd, true);
         Self { gradients, rotation, rotation_rotation, area: section.area(), reference_length }
     }
 

@@ -7,6 +7,7 @@
 
 pub mod basis;
 pub mod boundary_curve;
+pub mod cells;
 pub mod continuum;
 pub mod fields;
 pub mod inertia;

@@ -262,7 +262,8 @@ fn the_end_of_a_ramp_is_the_steady_state() {
 /// axis give 4.5e-8 m.
 #[test]
 fn a_drive_that_only_turns_leaves_a_rotor_on_its_bearings() {
-    let case = crate::common::fieldtest("turbocharger_runup");
+    // the oracle is a beam, whose joints are as stiff as shared functions make them
+    let case = with(&crate::common::fieldtest("turbocharger_runup"), json!({ "shaft.element": "autok0" }));
     // without the component that turns the end
     let bearings = case.value["supports"].as_array().expect("supports")[..2].to_vec();
     let case = with(&case, json!({ "supports": bearings }));

@@ -4,6 +4,7 @@
 mod cell;
 mod linear;
 mod motion;
+mod steps;
 
 use crate::common::keep;
 use cell::Cell;
@@ -37,6 +38,7 @@ fn relevant(family: &str) -> &'static [&'static str] {
     match family {
         "slenderness L/r" | "number of elements" | "member" => &["coarse-mesh", "rounding"],
         "wall t/r" => &["ring-ovals", "hollow-section", "section-basis"],
+        "step R_2 / R_1" | "disk length / R_2" => &["step", "thin-disk"],
         "bore / rim" => &["hollow-growth"],
         "Poisson's ratio" => &["bending-locks", "auxetic"],
         "speed (rad/s)" => &["slow-spin"],
@@ -74,6 +76,7 @@ fn every_cell_is_within_its_bound_or_says_so() {
     list.extend(linear::units());
     list.extend(linear::meshes());
     list.extend(linear::bearings());
+    list.extend(steps::steps());
     list.extend(motion::speeds());
     list.extend(motion::tolerances());
     list.push(motion::drift(STEPS));
