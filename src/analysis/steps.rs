@@ -25,6 +25,8 @@ const MOTIONS: usize = 16;
 const COUNTED: usize = 4;
 /// Ratio of radii up to which a joint with kinks of [`SETTLED_EFFORT`] misses less than [`TOLD`] and is not looked at.
 const SETTLED_RATIO: f64 = 3.0;
+/// Share that kinks of a high degree leave at larger ratios.
+const DEEP_SHARE: f64 = 0.07;
 /// Effort at a joint that leaves so little.
 const SETTLED_EFFORT: usize = 3;
 /// Length of a disk over its reach beyond the shaft below which its own bending is looked at.
@@ -72,6 +74,7 @@ fn share_left(elements: [&Element; 2], sections: [&Section; 2]) -> f64 {
         match (degree(0.0..1e-6), degree(1e-6..0.3)) {
             (0, _) => SHARE_LEFT[0],
             (1, _) => SHARE_LEFT[1],
+            (4.., 2..) => DEEP_SHARE,
             (_, beside) => SHARE_LEFT[2 + beside.min(2)],
         }
     };

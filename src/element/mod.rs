@@ -86,17 +86,29 @@ impl ElementMatrices {
         length: f64,
         reference_length: f64,
     ) -> Self {
-        let axial = basis::AxialProducts::new(kind.axial_degree, length);
         let plane = basis::SectionProducts::with_kinks(kind.basis, kinks, section, reference_length);
+        Self::on(&plane, kind, section, material, length)
+    }
+
+    /// Matrices of an element on a section whose products are there.
+    pub fn on(
+        plane: &basis::SectionProducts,
+        kind: ElementKind,
+        section: &Section,
+        material: &Material,
+        length: f64,
+    ) -> Self {
+        let axial = basis::AxialProducts::new(kind.axial_degree, length);
+        let reference_length = plane.reference_length;
         let stiffness = match kind.law {
-            Law::Continuum => continuum::stiffness(&continuum::isotropic(material), &axial, &plane),
-            Law::Split => continuum::split_stiffness(section, material, &axial, &plane),
+            Law::Continuum => continuum::stiffness(&continuum::isotropic(material), &axial, plane),
+            Law::Split => continuum::split_stiffness(section, material, &axial, plane),
             Law::Structural => structural_3333s::stiffness(section, material, &axial, reference_length),
         };
         Self {
-            mass: inertia::mass(material.density, &axial, &plane),
-            gyroscopic: inertia::gyroscopic(material.density, &axial, &plane),
-            spin_softening: inertia::spin_softening(material.density, &axial, &plane),
+            mass: inertia::mass(material.density, &axial, plane),
+            gyroscopic: inertia::gyroscopic(material.density, &axial, plane),
+            spin_softening: inertia::spin_softening(material.density, &axial, plane),
             stiffness,
         }
     }

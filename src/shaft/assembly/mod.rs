@@ -11,10 +11,10 @@ mod rigid_motions;
 pub use rigid_motions::RigidMotion;
 
 use crate::element::ElementMatrices;
-use crate::element::basis::rotation_with_kinks;
+use crate::element::basis::{SectionProducts, rotation_with_kinks};
 use crate::linalg::chain::{Layout, Link};
 use crate::linalg::sparse::{Sparse, from_columns};
-use crate::model::{Element, Gyroscopic, Material, Model};
+use crate::model::{Element, Field, Gyroscopic, Material, Model};
 use crate::section::basis::SectionBasis;
 use crate::section::kinks::Kinks;
 use crate::shaft::attachments::{self, Contribution, Numbering};
@@ -117,14 +117,18 @@ impl<'a> Assembly<'a> {
                 })
             })
             .collect();
-        let distinct = keys
-            .iter()
-            .map(|e| {
-                let (section, material) = (&model.sections[e.section], &model.materials[e.material]);
-                let kind = (e.kind, &e.kinks);
-                ElementMatrices::with_kinks(kind, section, material, e.length, model.reference_length)
-            })
-            .collect();
+        // elements of different lengths share the products of their section
+        let mut products: Vec<(Field, SectionProducts)> = Vec::new();
+        let mut matrices = |e: &&Element| {
+            let (section, material) = (&model.sections[e.section], &model.materials[e.material]);
+            let at = products.iter().position(|(field, _)| *field == e.field()).unwrap_or_else(|| {
+                let (basis, r) = (e.kind.basis, model.reference_length);
+                products.push((e.field(), SectionProducts::with_kinks(basis, &e.kinks, section, r)));
+                products.len() - 1
+            });
+            ElementMatrices::on(&products[at].1, e.kind, section, material, e.length)
+        };
+        let distinct = keys.iter().map(&mut matrices).collect();
         Self { model, numbering, expansion, free, distinct, element_type, constraints }
     }
 
