@@ -1,6 +1,6 @@
 //! Kinked functions near steps: their element against its definition, stepped shafts against solids of revolution.
 
-use crate::common::{campbell, model, report_json, with};
+use crate::common::{campbell, fieldtest, model, report_json, with};
 use crate::cubic_solid::{Solid, SolidSegment};
 use faer::Mat;
 use nalgebra::{Rotation3, Vector3};
@@ -418,6 +418,26 @@ fn bores_shoulders_and_disks_are_those_of_solids() {
         let error = error_beside_solid(pieces, free, "auto");
         assert!(error < bound, "{what}: {error:e}");
     }
+}
+
+/// Rotors from outside whose steps came out too stiff: solids say 59.52, 177.3 and (a soft disk) 56.60 Hz, and 2750 rad/s with no
+/// motion between 2800 and 4200.
+#[test]
+fn rotors_from_outside_have_the_frequencies_of_solids() {
+    for (name, right) in [("step_20_100", 59.52), ("step_stub", 177.3), ("hub_5_8_3", 56.60)] {
+        let case = with(&fieldtest(name), json!({ "shaft.element": "auto", "modes.count": 8 }));
+        let case = if name == "hub_5_8_3" { with(&case, json!({ "disks.0.hub": "soft" })) } else { case };
+        let ours = frequencies(&case)[0][0];
+        assert!((ours / right - 1.0).abs() < 0.005, "{name}: {ours} for {right}");
+    }
+    let automatic = json!({ "shaft.element": "auto", "modes.count": 16, "shaft.segments.0.element": "auto",
+        "shaft.segments.1.element": "auto", "shaft.segments.3.element": "auto", "shaft.segments.4.element": "auto" });
+    let found =
+        modes(&model(&with(&fieldtest("hollow_solid_hollow"), automatic))).unwrap_or_else(|e| panic!("{e}"));
+    let bending = found.results.modes.iter().filter(|m| m.kind == ModeKind::Bending);
+    let list: Vec<f64> = bending.map(|m| m.frequency_rad_s).collect();
+    let nearest = list.iter().map(|w| (w / 2750.0 - 1.0).abs()).fold(1.0, f64::min);
+    assert!(nearest < 0.005 && !list.iter().any(|w| (2800.0..4200.0).contains(w)), "{list:?}");
 }
 
 /// Random shafts of 3 to 6 diameters, a third of them with bores, on free, soft or stiff ends.
