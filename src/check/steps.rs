@@ -292,10 +292,10 @@ mod tests {
 
     #[test]
     fn elements_grow_away_from_a_step_up_to_the_end_of_its_zone() {
-        close(&graded(20.0, 1.0, [Some(2.0), None]), &[0.5, 1.5]);
-        close(&graded(20.0, 5.0, [None, Some(1.0)]), &[5.5, 12.5, 15.625, 18.25, 19.5]);
+        close(&graded(20.0, 1.0, [Some(2.0), None]), &[0.3, 1.8]);
+        close(&graded(20.0, 5.0, [None, Some(1.0)]), &[16.0, 18.0, 19.5]);
         // both zones meet
-        close(&graded(6.0, 5.0, [Some(1.0), Some(1.0)]), &[0.5, 1.75, 4.25, 5.5]);
+        close(&graded(6.0, 5.0, [Some(1.0), Some(1.0)]), &[0.5, 2.0, 4.0, 5.5]);
         assert!(graded(6.0, 5.0, [None, None]).is_empty());
     }
 

@@ -420,13 +420,14 @@ fn bores_shoulders_and_disks_are_those_of_solids() {
     }
 }
 
-/// Rotors from outside whose steps came out too stiff: solids say 59.52, 177.3 and (a soft disk) 56.60 Hz, and 2750 rad/s with no
+/// Rotors from outside whose steps came out too stiff: solids say 59.52, 177.3 and (a disk that
+/// does not stiffen the shaft) 56.60 Hz, and 2750 rad/s with no
 /// motion between 2800 and 4200.
 #[test]
 fn rotors_from_outside_have_the_frequencies_of_solids() {
     for (name, right) in [("step_20_100", 59.52), ("step_stub", 177.3), ("hub_5_8_3", 56.60)] {
         let case = with(&fieldtest(name), json!({ "shaft.element": "auto", "modes.count": 8 }));
-        let case = if name == "hub_5_8_3" { with(&case, json!({ "disks.0.hub": "soft" })) } else { case };
+        let case = if name == "hub_5_8_3" { with(&case, json!({ "disks.0.hub": "rim" })) } else { case };
         let ours = frequencies(&case)[0][0];
         assert!((ours / right - 1.0).abs() < 0.005, "{name}: {ours} for {right}");
     }
