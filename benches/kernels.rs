@@ -119,7 +119,7 @@ fn ring(degree: usize, harmonics: usize) -> Option<(RingElement, Vec<f64>)> {
 /// 34X3 with the kinks of effort 4 at half the radius of a solid of radius .2.
 fn kinked() -> (KinkedElement, Vec<f64>) {
     let kind = ElementKind { axial_degree: 3, basis: SectionBasis::Monomials(3), law: Law::Continuum };
-    let at = |radius| Kink { radius, degree: 2, inward: false };
+    let at = |radius| Kink { radius, scale: 0.1, degree: 2, inward: false };
     let kinks = Kinks::new(&[at(0.085), at(0.1), at(0.115)]);
     let with = (Quadrature::EXACT, Instructions::Widest);
     let element = KinkedElement::new((kind, &kinks), &Section::circle(0.2), &STEEL, 0.3, 0.2, with);

@@ -8,7 +8,7 @@ use crate::section::Section;
 use crate::section::basis::SectionBasis;
 use crate::section::kinks::{Kink, Kinks};
 
-/// Most that [`Effort`] grows to.
+/// Largest effort.
 pub const FINEST: usize = 6;
 /// Length of a zone with kinks over the outer radius of its side: the side that reaches beyond the other, and the other one.
 const REACH: [f64; 2] = [0.8, 0.3];
@@ -18,8 +18,10 @@ const FIRST_ELEMENT: f64 = 0.5;
 const GROWTH: f64 = 3.0;
 /// Longest element of a graded mesh over the outer radius.
 const LONGEST: f64 = 2.0;
-/// Share of the smaller radius within which two radii are one.
-const SAME_RADIUS: f64 = 1e-6;
+/// Height over the smaller radius below which a step is none: it changes frequencies by less than 1e-4.
+const SMALLEST_STEP: f64 = 2e-3;
+/// Longest scale of a kink beside a step over its distance from the edge of the shared area.
+const SCALE: f64 = 5.0;
 
 /// Share of a radius within which two kinks are one.
 const NEAR_RADIUS: f64 = 0.01;
@@ -100,9 +102,9 @@ impl Steps {
             match kept.iter().position(near) {
                 // the one of two that vanishes on both shared areas
                 Some(i) => {
-                    let farther = if kink.inward { f64::min } else { f64::max };
-                    kept[i].radius = farther(kept[i].radius, kink.radius);
-                    kept[i].degree = kept[i].degree.max(kink.degree);
+                    let degree = kept[i].degree.max(kink.degree);
+                    let farther = (kink.radius > kept[i].radius) != kink.inward;
+                    kept[i] = Kink { degree, ..if farther { *kink } else { kept[i] } };
                 }
                 None => kept.push(*kink),
             }
@@ -206,7 +208,7 @@ pub fn estimate(segments: &[(Option<usize>, Section, f64)], efforts: &[usize], i
 fn zone(own: &Section, other: &Section, effort: usize) -> Option<Zone> {
     let common = own.common(other).filter(|_| own.is_axisymmetric() && other.is_axisymmetric())?;
     let (inner, outer) = (common.inner[0], common.outer[0]);
-    let apart = |a: f64, b: f64| (a - b).abs() > SAME_RADIUS * outer;
+    let apart = |a: f64, b: f64| (a - b).abs() > SMALLEST_STEP * outer;
     let steps = [apart(own.outer[0], other.outer[0]), apart(own.inner[0], other.inner[0])];
     if effort == 0 || steps == [false; 2] {
         return None;
@@ -214,8 +216,12 @@ fn zone(own: &Section, other: &Section, effort: usize) -> Option<Zone> {
     let effort = &EFFORTS[effort.min(FINEST)];
     let (mut at, mut beside) = (Vec::new(), Vec::new());
     let wall = (outer - inner) / 2.0;
-    let outward = |radius, degree| Kink { radius, degree, inward: false };
-    let inward = |radius, degree| Kink { radius, degree, inward: true };
+    // what a side has alone counts by what is beyond; shared functions by what both sides know
+    let outward = |radius: f64, degree| {
+        let scale = if radius < outer { radius.min(SCALE * (outer - radius)) } else { own.outer[0] - radius };
+        Kink { radius, scale, degree, inward: false }
+    };
+    let inward = |radius: f64, degree| Kink { radius, scale: radius - own.inner[0], degree, inward: true };
     if steps[0] {
         let beyond = (own.outer[0] - outer) / 2.0;
         if beyond > 0.0 {

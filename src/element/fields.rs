@@ -166,7 +166,7 @@ impl SectionFunctions {
         for (k, f) in self.kinks.functions().iter().enumerate() {
             for (l, g) in other.kinks.functions().iter().enumerate() {
                 if f.kink.is_at(&g.kink) && (f.power, f.waves, f.sine) == (g.power, g.waves, g.sine) {
-                    p[(n + k, m + l)] = 1.0;
+                    p[(n + k, m + l)] = (f.kink.scale / g.kink.scale).powi(f.power as i32);
                     // not through the functions of the member as well
                     (0..n).for_each(|k| p[(k, m + l)] = 0.0);
                 }

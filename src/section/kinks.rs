@@ -3,11 +3,11 @@
 //! Beside the functions of its member a round section may have, near a step,
 //!
 //! ```text
-//!     (<rho - R_k> / R_k)^p  wave(m theta)      outward, zero inside the radius R_k
-//!     (<R_k - rho> / R_k)^p  wave(m theta)      inward, zero outside it
+//!     (<rho - R_k> / s_k)^p  wave(m theta)      outward, zero inside the radius R_k
+//!     (<R_k - rho> / s_k)^p  wave(m theta)      inward, zero outside it
 //! ```
 //!
-//! with p = 1 .. d and 0, 1, .. [`HARMONICS`] waves. A function that vanishes on the area that two sections share is free at the
+//! with p = 1 .. d, 0, 1, .. [`HARMONICS`] waves and a length s_k of the size of what is beyond R_k. A function that vanishes on the area that two sections share is free at the
 //! face of a step. Source: docs/theory/steps.md#functions.
 
 /// Largest number of waves of kinked functions.
@@ -24,6 +24,8 @@ const MOST: usize = 16;
 pub struct Kink {
     /// R_k, m.
     pub radius: f64,
+    /// s_k, above 0, m.
+    pub scale: f64,
     /// Largest power d, at least 1.
     pub degree: usize,
     /// Zero outside the radius instead of inside.
@@ -59,12 +61,12 @@ impl KinkFunction {
     /// Radial factor at a radius (m), and its derivative, 1/m.
     pub fn radial(&self, rho: f64) -> (f64, f64) {
         let sign = if self.kink.inward { -1.0 } else { 1.0 };
-        let at = sign * (rho - self.kink.radius) / self.kink.radius;
+        let at = sign * (rho - self.kink.radius) / self.kink.scale;
         if at <= 0.0 {
             return (0.0, 0.0);
         }
         let lower = at.powi(self.power as i32 - 1);
-        (lower * at, self.power as f64 * lower * sign / self.kink.radius)
+        (lower * at, self.power as f64 * lower * sign / self.kink.scale)
     }
 
     /// Radial factor as a polynomial in s, `rho = middle + half s` (m), between two radii that no kink parts.
@@ -72,8 +74,9 @@ impl KinkFunction {
         if self.radial(middle).0 == 0.0 {
             return Vec::new();
         }
-        let (r, sign) = (self.kink.radius, if self.kink.inward { -1.0 } else { 1.0 });
-        let (constant, linear) = (sign * (middle - r) / r, sign * half / r);
+        let (r, scale) = (self.kink.radius, self.kink.scale);
+        let sign = if self.kink.inward { -1.0 } else { 1.0 };
+        let (constant, linear) = (sign * (middle - r) / scale, sign * half / scale);
         (0..self.power).fold(vec![1.0], |p, _| {
             let at = |e: usize| p.get(e).copied().unwrap_or(0.0);
             (0..=p.len()).map(|e| constant * at(e) + if e > 0 { linear * at(e - 1) } else { 0.0 }).collect()
@@ -175,8 +178,8 @@ mod tests {
     #[test]
     fn functions_are_their_polynomials_on_every_cell() {
         let kinks = Kinks::new(&[
-            Kink { radius: 0.03, degree: 3, inward: false },
-            Kink { radius: 0.02, degree: 2, inward: true },
+            Kink { radius: 0.03, scale: 0.02, degree: 3, inward: false },
+            Kink { radius: 0.02, scale: 0.01, degree: 2, inward: true },
         ]);
         let list = kinks.functions();
         assert_eq!((list.len(), kinks.count()), (25, 25));
@@ -199,7 +202,7 @@ mod tests {
 
     #[test]
     fn kinks_at_one_radius_are_one() {
-        let at = |radius, degree| Kink { radius, degree, inward: false };
+        let at = |radius, degree| Kink { radius, scale: 1.0, degree, inward: false };
         let kinks = Kinks::new(&[at(2.0, 1), at(1.0, 2), at(2.0, 3)]);
         assert_eq!(kinks.iter().collect::<Vec<_>>(), [at(1.0, 2), at(2.0, 3)]);
         assert!(at(2.0, 1).vanishes_on(0.0, 2.0) && !at(1.0, 1).vanishes_on(0.0, 2.0));

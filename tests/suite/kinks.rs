@@ -41,11 +41,11 @@ const fn member(basis: SectionBasis) -> ElementKind {
 }
 
 fn outward(radius: f64, degree: usize) -> Kink {
-    Kink { radius, degree, inward: false }
+    Kink { radius, scale: 0.2 - radius, degree, inward: false }
 }
 
 fn inward(radius: f64, degree: usize) -> Kink {
-    Kink { radius, degree, inward: true }
+    Kink { radius, scale: radius - 0.1, degree, inward: true }
 }
 
 /// Members with kinks whose sums are checked: a solid, a solid of another order, a wall.
