@@ -218,7 +218,13 @@ pub fn kink_remarks(assembly: &Assembly<'_>, diagnostics: &mut Vec<Diagnostic>) 
     if elements == 0 {
         return;
     }
-    let steps: Vec<f64> = places_of_steps(model).into_iter().map(|(x, _)| x).collect();
+    let refined = |pair: &[Element]| {
+        let kinked = pair.iter().any(|e| !e.kinks.is_empty());
+        let sections = [&pair[0], &pair[1]].map(|e| &model.sections[e.section]);
+        let round = sections.iter().all(|s| s.is_axisymmetric());
+        (kinked && round && sections[0] != sections[1]).then_some(pair[1].x)
+    };
+    let steps: Vec<f64> = model.elements.windows(2).filter_map(refined).collect();
     diagnostics.push(Diagnostic::info(
         "steps-refined",
         format!(
@@ -334,7 +340,9 @@ pub fn step_remarks(assembly: &Assembly<'_>, diagnostics: &mut Vec<Diagnostic>) 
         told.insert(0, *first);
     }
     let parts: Vec<String> = told.iter().map(words).collect();
-    let round = assembly.model.sections.iter().all(Section::is_axisymmetric);
+    let model = assembly.model;
+    let round = model.sections.iter().all(Section::is_axisymmetric)
+        && model.elements.iter().all(|e| e.kinks.is_empty());
     diagnostics.push(Diagnostic::warning(
         "step",
         format!(

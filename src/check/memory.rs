@@ -34,7 +34,11 @@ pub fn mesh_memory(unknowns: f64, per_node: f64) -> f64 {
 
 /// What the largest of the analyses of a case takes, part by part.
 pub fn memory(model: &Model) -> Vec<Share> {
-    let unknowns: f64 = model.nodes.iter().map(|n| 3.0 * n.n_vectors() as f64).sum();
+    let unknowns: f64 = model
+        .nodes
+        .iter()
+        .map(|n| 3.0 * (n.n_vectors() + n.follower.map_or(0, |f| f.kinks.count())) as f64)
+        .sum();
     let mut list = vec![Share {
         path: "shaft.segments",
         what: "matrices",

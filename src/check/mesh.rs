@@ -41,13 +41,18 @@ pub struct Mesh {
 impl Mesh {
     /// Meshes the segments so that every one of `positions` is an element end.
     ///
-    /// Within a segment the elements are dealt out to the pieces between positions, each time to the piece
+    /// Steps at the places `plain` take no kinks. Within a segment the elements are dealt out to the pieces between positions, each time to the piece
     /// whose elements are longest, at least one to each: lengths as even as possible, never fewer elements.
-    pub fn new(plans: &[SegmentPlan], sections: &[Section], positions: &[f64], length: f64) -> Self {
+    pub fn new(
+        plans: &[SegmentPlan],
+        sections: &[Section],
+        (positions, plain): (&[f64], &[f64]),
+        length: f64,
+    ) -> Self {
         let mut mesh = Self { elements: Vec::new(), nodes: Vec::new() };
         let mut start = 0.0;
         for (segment, plan) in plans.iter().enumerate() {
-            let (steps, before) = steps(plans, sections, segment);
+            let (steps, before) = steps(plans, sections, segment, plain, start);
             let graded = steps.cuts.iter().map(|x| start + x - before);
             let end = start + plan.length;
             let same = (SAME_PLACE_PER_LENGTH * length).min(plan.length / 4.0);
@@ -115,7 +120,13 @@ impl Mesh {
 
 /// What steps ask of a segment: those at the ends of the piece of one section that it belongs to, and where it starts in that
 /// piece, m.
-fn steps(plans: &[SegmentPlan], sections: &[Section], segment: usize) -> (Steps, f64) {
+fn steps(
+    plans: &[SegmentPlan],
+    sections: &[Section],
+    segment: usize,
+    plain: &[f64],
+    from: f64,
+) -> (Steps, f64) {
     let plan = &plans[segment];
     if plan.kinks == 0 {
         return (Steps::default(), 0.0);
@@ -130,10 +141,13 @@ fn steps(plans: &[SegmentPlan], sections: &[Section], segment: usize) -> (Steps,
         let effort = effort.min(most(plan.kind.basis)).min(most(other.kind.basis));
         Some(Neighbour { section: &sections[other.section], effort })
     };
-    let neighbours =
-        [neighbour(segment.checked_sub(before.len() + 1)), neighbour(Some(segment + after.len() + 1))];
     let start: f64 = before.iter().map(|p| p.length).sum();
     let length = start + plan.length + after.iter().map(|p| p.length).sum::<f64>();
+    let faces = [from - start, from - start + length];
+    let same_place = |a: f64, b: f64| (a - b).abs() <= SAME_PLACE_PER_LENGTH * plan.length;
+    let kinked = |face: &f64| !plain.iter().any(|x| same_place(*x, *face));
+    let beside = [segment.checked_sub(before.len() + 1), Some(segment + after.len() + 1)];
+    let neighbours = [0, 1].map(|i| neighbour(beside[i].filter(|_| kinked(&faces[i]))));
     let longest = plan.length / plan.elements as f64;
     (Steps::new(&sections[plan.section], neighbours, length, longest), start)
 }
@@ -193,23 +207,23 @@ mod tests {
 
     #[test]
     fn a_matching_mesh_stays_as_it_is() {
-        let mesh = Mesh::new(&[plan(6.0, 16, 3)], &[], &[3.0, 0.0, 6.0], 6.0);
-        assert_eq!(ends(&mesh), ends(&Mesh::new(&[plan(6.0, 16, 3)], &[], &[], 6.0)));
+        let mesh = Mesh::new(&[plan(6.0, 16, 3)], &[], (&[3.0, 0.0, 6.0], &[]), 6.0);
+        assert_eq!(ends(&mesh), ends(&Mesh::new(&[plan(6.0, 16, 3)], &[], (&[], &[]), 6.0)));
         assert_eq!((mesh.nodes.len(), mesh.node_at(3.0)), (49, 24));
     }
 
     #[test]
     fn positions_force_ends_and_keep_lengths_even() {
-        let mesh = Mesh::new(&[plan(1.0, 4, 3)], &[], &[0.9], 1.0);
+        let mesh = Mesh::new(&[plan(1.0, 4, 3)], &[], (&[0.9], &[]), 1.0);
         assert_eq!(mesh.elements.len(), 4);
         assert!(mesh.elements.iter().any(|e| (e.x - 0.9).abs() < 1e-15));
-        let few = Mesh::new(&[plan(1.0, 1, 3)], &[], &[0.2, 0.4, 0.4 + 1e-8], 1.0);
+        let few = Mesh::new(&[plan(1.0, 1, 3)], &[], (&[0.2, 0.4, 0.4 + 1e-8], &[]), 1.0);
         assert_eq!(few.elements.len(), 3);
     }
 
     #[test]
     fn the_richer_side_follows_at_a_joint() {
-        let mesh = Mesh::new(&[plan(1.0, 1, 1), plan(1.0, 2, 4)], &[Section::circle(0.1)], &[], 2.0);
+        let mesh = Mesh::new(&[plan(1.0, 1, 1), plan(1.0, 2, 4)], &[Section::circle(0.1)], (&[], &[]), 2.0);
         let vectors: Vec<usize> = mesh.nodes.iter().map(Node::n_vectors).collect();
         assert_eq!(vectors, [3, 3, 3, 3, 15, 15, 15, 15, 15, 15]);
         let follows: Vec<[bool; 2]> = mesh.elements.iter().map(|e| e.follows).collect();

@@ -20,7 +20,7 @@ use crate::check::steps::FINEST;
 use crate::error::Result;
 use crate::instructions::Instructions;
 use crate::model::ElementChoice;
-use crate::model::{ElementKind, Law, Material, Model, Names};
+use crate::model::{ElementKind, Hub, Law, Material, Model, Names};
 use crate::section::basis::SectionBasis;
 use crate::section::{Section, Shape};
 
@@ -158,7 +158,7 @@ impl Input<'_> {
         };
         let kind = self.member(path, member)?;
         match digits.parse::<usize>() {
-            Ok(effort @ 0..=FINEST) if kind.is_none_or(|k| k.law == Law::Continuum) => {
+            Ok(effort @ 0..=FINEST) if digits.len() == 1 && kind.is_none_or(|k| k.law == Law::Continuum) => {
                 Ok(Asked { kind, effort: Some(effort) })
             }
             _ => self.fault(
@@ -441,7 +441,10 @@ impl Input<'_> {
                 );
             }
         }
-        Ok(Mesh::new(plans, sections, &positions, length))
+        // a grip that has no limit as sections deform more freely
+        let disks = self.case.disks.iter().filter(|d| d.hub != Hub::Rigid);
+        let plain: Vec<f64> = disks.map(|d| d.at.0).collect();
+        Ok(Mesh::new(plans, sections, (&positions, &plain), length))
     }
 
     /// Refuses a model whose matrices, sweep and histories together need too much memory.

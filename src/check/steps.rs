@@ -23,8 +23,12 @@ const SMALLEST_STEP: f64 = 2e-3;
 /// Longest scale of a kink beside a step over its distance from the edge of the shared area.
 const SCALE: f64 = 5.0;
 
-/// Share of a radius within which two kinks are one.
-const NEAR_RADIUS: f64 = 0.01;
+/// Distance of two kinks over their radius within which they are one.
+const NEAR_RADIUS: f64 = 0.03;
+/// Distance of the radii of two steps over the smaller one that kinks of a high degree need in one zone.
+const HIGH_APART: f64 = 0.35;
+/// Largest degree of kinks that are closer.
+const CLOSE_DEGREE: usize = 2;
 
 /// Kinks of one effort.
 struct Effort {
@@ -89,36 +93,52 @@ impl Steps {
     pub fn kinks(&self, from: f64, to: f64) -> Kinks {
         let middle = (from + to) / 2.0;
         let [left, right] = &self.zones;
-        let reach = |zone: &Option<Zone>| zone.as_ref().map_or(0.0, |z| z.length);
-        // zones that meet are one
-        let one = reach(left) + reach(right) >= self.length;
+        let one = meet(&self.zones, self.length);
         let in_left = left.as_ref().filter(|z| one || middle < z.length);
         let in_right = right.as_ref().filter(|z| one || middle > self.length - z.length);
         let zones: Vec<&Zone> = in_left.into_iter().chain(in_right).collect();
+        // by radius, so that a shaft and its mirror image take the same
+        let sorted = |of: fn(&Zone) -> &[Kink]| {
+            let mut list: Vec<Kink> = zones.iter().flat_map(|z| of(z)).copied().collect();
+            list.sort_by(|a, b| a.radius.total_cmp(&b.radius));
+            list
+        };
+        let apart = |a: &Kink, b: &Kink| (a.radius - b.radius).abs() / a.radius.min(b.radius);
         let mut kept: Vec<Kink> = Vec::new();
-        for kink in zones.iter().flat_map(|z| &z.at) {
-            let near =
-                |k: &Kink| k.inward == kink.inward && (k.radius - kink.radius).abs() < NEAR_RADIUS * k.radius;
-            match kept.iter().position(near) {
+        for kink in sorted(|z| &z.at) {
+            match kept.iter().position(|k| k.inward == kink.inward && apart(k, &kink) < NEAR_RADIUS) {
                 // the one of two that vanishes on both shared areas
                 Some(i) => {
                     let degree = kept[i].degree.max(kink.degree);
-                    let farther = (kink.radius > kept[i].radius) != kink.inward;
-                    kept[i] = Kink { degree, ..if farther { *kink } else { kept[i] } };
+                    kept[i] = Kink { degree, ..if kink.inward { kept[i] } else { kink } };
                 }
-                None => kept.push(*kink),
+                None => kept.push(kink),
             }
         }
-        for kink in zones.iter().flat_map(|z| &z.beside) {
+        let steps = kept.clone();
+        for (i, kink) in kept.iter_mut().enumerate() {
+            let others = steps.iter().enumerate().filter(|(j, k)| *j != i && k.inward == kink.inward);
+            if others.map(|(_, k)| apart(k, kink)).any(|d| d < HIGH_APART) {
+                kink.degree = kink.degree.min(CLOSE_DEGREE);
+            }
+        }
+        for kink in sorted(|z| &z.beside) {
             // functions of radii that are close to each other can hardly be told apart
-            let near = |k: &Kink| (k.radius - kink.radius).abs() < NEAR_RADIUS * k.radius;
-            match kept.iter().position(near) {
-                Some(i) if kept[i].is_at(kink) => kept[i].degree = kept[i].degree.max(kink.degree),
+            match kept.iter().position(|k| apart(k, &kink) < NEAR_RADIUS) {
+                Some(i) if kept[i].is_at(&kink) => kept[i].degree = kept[i].degree.max(kink.degree),
                 Some(_) => {}
-                None => kept.push(*kink),
+                None => kept.push(kink),
             }
         }
         Kinks::new(&kept)
+    }
+}
+
+/// True for zones that meet, or nearly so: they are one.
+fn meet(zones: &[Option<Zone>; 2], length: f64) -> bool {
+    match zones {
+        [Some(a), Some(b)] => a.length + b.length >= length - 0.3 * a.first.min(b.first),
+        [one, other] => one.iter().chain(other).any(|z| z.length >= length),
     }
 }
 
@@ -177,6 +197,12 @@ fn error_left(height: f64, effort: usize) -> f64 {
     SHARE_LEFT[effort.min(FINEST)] * (low + (high - low) * share)
 }
 
+/// The area that both sides of a step share; `None` where there is no step that kinks can follow.
+fn shared(own: &Section, other: &Section) -> Option<Section> {
+    let common = own.common(other).filter(|_| own.is_axisymmetric() && other.is_axisymmetric())?;
+    (height(own, &common).max(height(other, &common)) > SMALLEST_STEP).then_some(common)
+}
+
 /// Height of a step: how far a section reaches beyond what it has in common with its neighbour, over the smaller outer
 /// radius.
 fn height(own: &Section, common: &Section) -> f64 {
@@ -185,7 +211,7 @@ fn height(own: &Section, common: &Section) -> f64 {
 
 /// The effort that suits a step seen from one of its sides.
 fn suits(own: &Section, other: &Section, length: f64) -> usize {
-    let Some(common) = own.common(other) else { return 0 };
+    let Some(common) = shared(own, other) else { return 0 };
     if height(own, &common) > DISK_HEIGHT && length < DISK_LENGTH * own.outer[0] {
         return DISK_EFFORT;
     }
@@ -198,7 +224,7 @@ pub fn estimate(segments: &[(Option<usize>, Section, f64)], efforts: &[usize], i
     let own = &segments[i].1;
     let of = |j: Option<usize>| {
         let other = &segments.get(j?)?.1;
-        let common = own.common(other)?;
+        let common = shared(own, other)?;
         Some(error_left(height(own, &common).max(height(other, &common)), efforts[i].min(efforts[j?])))
     };
     [i.checked_sub(1), Some(i + 1)].into_iter().filter_map(of).fold(0.0, f64::max)
@@ -206,11 +232,11 @@ pub fn estimate(segments: &[(Option<usize>, Section, f64)], efforts: &[usize], i
 
 /// What a step asks of one of its sides; `None` where there is none, or none that kinks can follow.
 fn zone(own: &Section, other: &Section, effort: usize) -> Option<Zone> {
-    let common = own.common(other).filter(|_| own.is_axisymmetric() && other.is_axisymmetric())?;
+    let common = shared(own, other)?;
     let (inner, outer) = (common.inner[0], common.outer[0]);
     let apart = |a: f64, b: f64| (a - b).abs() > SMALLEST_STEP * outer;
     let steps = [apart(own.outer[0], other.outer[0]), apart(own.inner[0], other.inner[0])];
-    if effort == 0 || steps == [false; 2] {
+    if effort == 0 {
         return None;
     }
     let effort = &EFFORTS[effort.min(FINEST)];
@@ -252,7 +278,6 @@ fn zone(own: &Section, other: &Section, effort: usize) -> Option<Zone> {
 
 /// Ends of the elements of a graded mesh within a segment, none at its own ends.
 fn cuts(length: f64, longest: f64, zones: &[Option<Zone>; 2]) -> Vec<f64> {
-    let reach = |i: usize| zones[i].as_ref().map_or(0.0, |z| z.length);
     // up to where each side may put ends
     let share = |i: usize| match (&zones[i], &zones[1 - i]) {
         (None, _) => 0.0,
@@ -262,13 +287,14 @@ fn cuts(length: f64, longest: f64, zones: &[Option<Zone>; 2]) -> Vec<f64> {
     let from_end = |i: usize| -> Vec<f64> {
         let Some(zone) = &zones[i] else { return Vec::new() };
         let (mut list, mut at, mut size) = (Vec::new(), 0.0, zone.first);
-        let whole = reach(0) + reach(1) >= length;
+        let whole = meet(zones, length);
         while at < zone.length || size < longest {
             let next = at + size.min(longest.max(zone.first));
             // an end of the zone is one of an element, unless the next or the last one is close to it
             let ends = !whole && at < zone.length && next > zone.length - 0.3 * size;
             at = if ends { zone.length } else { next };
-            if at > share(i) - 0.3 * size.min(longest) {
+            // both sides place the ends of their zones, and share what is left
+            if (whole || at > zone.length) && at > share(i) - 0.3 * size.min(longest) {
                 break;
             }
             list.push(at);

@@ -17,7 +17,7 @@ pub const HARMONICS: usize = 2;
 const OF_A_POWER: usize = 2 * HARMONICS + 1;
 
 /// Most kinks of one section.
-const MOST: usize = 16;
+const MOST: usize = 24;
 
 /// A radius at which functions have a kink.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -239,6 +239,16 @@ pub fn displacement_weights(model: &Model, node: usize, acts_on: ActsOn) -> Vec<
     Region::new(model, node, acts_on).map_or_else(axis, |region| region.means())
 }
 
+/// For each vector of a node whether a support grips it: all but kinked functions that vanish on the area both sides of a step
+/// share.
+fn gripped(model: &Model, node: usize) -> Vec<bool> {
+    let Node { field, follower, .. } = model.nodes[node];
+    match section_at(model, node).filter(|_| follower.is_some()) {
+        Some(shared) => functions(model, field).free_on(&shared).into_iter().map(|free| !free).collect(),
+        None => vec![true; field.count()],
+    }
+}
+
 /// Constraint rows `sum c_i q_i = 0` over the coordinates of one node.
 pub fn constraint_rows(model: &Model, node: usize) -> Vec<Vec<f64>> {
     let n_vectors = model.nodes[node].n_vectors();
@@ -254,11 +264,15 @@ pub fn constraint_rows(model: &Model, node: usize) -> Vec<Vec<f64>> {
         }
         row
     };
-    let in_plane_shape = || (3..n_vectors).flat_map(move |k| [1, 2].map(|c| unit(k, c)));
+    // what is free at the face of a step is not part of what a support grips
+    let gripped = gripped(model, node);
+    let gripped = &gripped;
+    let in_plane_shape =
+        || (3..n_vectors).filter(|&k| gripped[k]).flat_map(move |k| [1, 2].map(|c| unit(k, c)));
     let plane = |acts_on: ActsOn, axially_free: bool, driven: bool| {
         let held = |c: usize| if c > 0 { mean(c, acts_on) } else { unit(0, c) };
         let mut rows: Vec<Vec<f64>> = (0..3).filter(|&c| !(axially_free && c == 0)).map(held).collect();
-        rows.extend((1..n_vectors).map(|k| unit(k, 0)));
+        rows.extend((1..n_vectors).filter(|&k| gripped[k]).map(|k| unit(k, 0)));
         if driven {
             rows.push(mean_rotation(model, node, acts_on));
         }
@@ -267,6 +281,7 @@ pub fn constraint_rows(model: &Model, node: usize) -> Vec<Vec<f64>> {
     let held = |hold: SectionHold, axially_free: bool, driven: bool| match (hold, driven) {
         (SectionHold::Plane(acts_on), _) => plane(acts_on, axially_free, driven),
         (SectionHold::Rigid, true) => (0..n_vectors)
+            .filter(|&k| gripped[k])
             .flat_map(|k| (0..3).map(move |c| (k, c)))
             .filter(|&(k, c)| !(axially_free && k == 0 && c == 0))
             .map(|(k, c)| unit(k, c))
