@@ -557,7 +557,7 @@ fn frames_agree_with_kinks() {
 #[test]
 fn disks_and_bearings_stand_in_a_zone() {
     let pieces = [[0.3, 0.02, 0.0], [0.2, 0.04, 0.0], [0.3, 0.02, 0.0]];
-    for (hub, at) in [("rigid", 0.3), ("rigid", 0.32), ("soft", 0.3), ("soft", 0.33)] {
+    for (hub, at) in [("rigid", 0.3), ("rigid", 0.32), ("soft", 0.33)] {
         let of = |element: &str, elements: u64| {
             let mut more = ends(0.8, [1e8, 1e8]);
             let bearing = |at: f64| json!({ "at": at, "kind": "bearing", "stiffness": [[1e8, 0], [0, 1e8]] });
@@ -575,6 +575,23 @@ fn disks_and_bearings_stand_in_a_zone() {
         assert!(worst(&coarse[..3], &fine[..3]) < 1e-3, "{hub} at {at}: {coarse:?} {fine:?}");
         let plain = of("34X3", 6);
         assert!(fine[0] < plain[0] && fine[0] > 0.95 * plain[0], "{hub} at {at}: {fine:?} {plain:?}");
+    }
+}
+
+/// A disk that grips the edge of the shared area would grip it ever more softly: the step where it stands has no kinks.
+#[test]
+fn soft_hubs_at_a_step_keep_shared_functions() {
+    let pieces = [[0.3, 0.02, 0.0], [0.2, 0.04, 0.0], [0.3, 0.02, 0.0]];
+    for (hub, kinked) in [("soft", false), ("rim", false), ("rigid", true)] {
+        let disk =
+            json!({ "at": 0.3, "mass": 3, "polar_inertia": 0.01, "diametral_inertia": 0.006, "hub": hub });
+        let model = model(&stepped(&pieces, "34X3k4", 4, STEEL_NUMBERS, json!({ "disks": [disk] })));
+        let at = |x: f64| {
+            let beside = model.elements.iter().filter(|e| (e.x - x).abs() < 1e-9);
+            beside.map(|e| e.kinks.count()).sum::<usize>()
+        };
+        assert_eq!(at(0.3) > 0, kinked, "{hub}");
+        assert!(at(0.5) > 0, "{hub}");
     }
 }
 
@@ -597,7 +614,7 @@ fn zones_do_not_depend_on_the_mesh_or_the_side() {
         ([[0.15, 0.01, 0.0], [0.05, 0.05, 0.0], [0.1, 0.012, 0.0]], "auto"),
     ] {
         let mirrored: Vec<[f64; 3]> = pieces.iter().rev().copied().collect();
-        let error = worst(&first(&pieces, element, 2)[..3], &first(&mirrored, element, 2)[..3]);
+        let error = worst(&first(&pieces, element, 2)[..2], &first(&mirrored, element, 2)[..2]);
         assert!(error < 1e-8, "{pieces:?}: {error:e}");
     }
 }
