@@ -31,22 +31,25 @@ const STEEL: Material = Material {
     mass_damping: 0.0,
 };
 
+/// Coordinates of an element of n vectors, 0.3 m long, strained by some per cent; R is the reference length, m.
+fn strained(size: usize, n: usize, reference_length: f64) -> Vec<f64> {
+    let at = |i: usize| {
+        let straight = match (i / 3 % n, i % 3) {
+            (0, 0) => 0.1 * (i / 3 / n) as f64,
+            (1, 1) | (2, 2) => reference_length,
+            _ => 0.0,
+        };
+        straight + 0.001 * (0.7 * i as f64).sin()
+    };
+    (0..size).map(at).collect()
+}
+
 fn element(order: usize, quadrature: usize) -> (NonlinearElement, Vec<f64>) {
     let kind = ElementKind { axial_degree: 3, basis: SectionBasis::Monomials(order), law: Law::Continuum };
     let rule = QUADRATURES[quadrature].1;
     let element = NonlinearElement::new(kind, &Section::circle(0.1), &STEEL, 0.3, 0.1, rule);
     let n = kind.n_vectors();
-    let q = (0..element.size())
-        .map(|i| {
-            let (node, vector, c) = (i / 3 / n, i / 3 % n, i % 3);
-            let straight = match (vector, c) {
-                (0, 0) => 0.1 * node as f64,
-                (1, 1) | (2, 2) => 0.1,
-                _ => 0.0,
-            };
-            straight + 0.001 * (0.7 * i as f64).sin()
-        })
-        .collect();
+    let q = strained(element.size(), n, 0.1);
     (element, q)
 }
 
@@ -102,17 +105,7 @@ fn ring(degree: usize, harmonics: usize) -> Option<(RingElement, Vec<f64>)> {
     let kind = ElementKind { axial_degree: 3, basis, law: Law::Continuum };
     let element = RingElement::new(kind, &Section::tube(0.2, 0.15), &STEEL, 0.3, 0.2, Quadrature::EXACT)?;
     let n = kind.n_vectors();
-    let q = (0..element.size())
-        .map(|i| {
-            let (node, vector, c) = (i / 3 / n, i / 3 % n, i % 3);
-            let straight = match (vector, c) {
-                (0, 0) => 0.1 * node as f64,
-                (1, 1) | (2, 2) => 0.2,
-                _ => 0.0,
-            };
-            straight + 0.001 * (0.7 * i as f64).sin()
-        })
-        .collect();
+    let q = strained(element.size(), n, 0.2);
     Some((element, q))
 }
 
@@ -124,17 +117,7 @@ fn kinked() -> (KinkedElement, Vec<f64>) {
     let with = (Quadrature::EXACT, Instructions::Widest);
     let element = KinkedElement::new((kind, &kinks), &Section::circle(0.2), &STEEL, 0.3, 0.2, with);
     let n = kind.n_vectors() + kinks.count();
-    let q = (0..element.size())
-        .map(|i| {
-            let (node, vector, c) = (i / 3 / n, i / 3 % n, i % 3);
-            let straight = match (vector, c) {
-                (0, 0) => 0.1 * node as f64,
-                (1, 1) | (2, 2) => 0.2,
-                _ => 0.0,
-            };
-            straight + 0.001 * (0.7 * i as f64).sin()
-        })
-        .collect();
+    let q = strained(element.size(), n, 0.2);
     (element, q)
 }
 

@@ -151,7 +151,7 @@ impl Split {
             SectionBasis::Monomials(_) => Section::circle(size),
             SectionBasis::Ring { .. } => Section::tube(size, size * section.inner[0] / section.outer[0]),
         };
-        let round_mass = products(&round).plain().clone();
+        let round_mass = if round == *section { mass.clone() } else { products(&round).plain().clone() };
         let most = kinks.functions().iter().map(|f| f.waves).fold(most_waves(basis), usize::max);
         let (harmonics, waves) = harmonics(&round_mass, &rotation_with_kinks(basis, kinks), most)?;
         Ok(Self { motions, mass, harmonics, order: waves })

@@ -25,12 +25,15 @@ const MOTIONS: usize = 16;
 const COUNTED: usize = 4;
 /// Ratio of radii up to which a joint with kinks of [`SETTLED_EFFORT`] misses less than [`TOLD`] and is not looked at.
 const SETTLED_RATIO: f64 = 3.0;
-/// Share that kinks of a high degree leave at larger ratios.
-const DEEP_SHARE: f64 = 0.07;
 /// Effort at a joint that leaves so little.
 const SETTLED_EFFORT: usize = 3;
+/// Share that kinks of degree 4 leave at larger ratios: 10-100-10 and 10-50-10 of docs/theory/steps.md#effort.
+const DEEP_SHARE: f64 = 0.07;
 /// Length of a disk over its reach beyond the shaft below which its own bending is looked at.
 const PLATE: f64 = 0.5;
+/// `lambda^2` of a free disk with two nodal diameters, Poisson's ratio 0.3 (Leissa, Vibration of Plates, NASA SP-160, 1969); a shaft
+/// in its middle hardly changes it.
+const TWO_DIAMETERS: f64 = 5.358;
 /// Distance from a step over the smaller radius within which a stress depends on the functions of the section.
 const SINGULAR: f64 = 0.5;
 /// Steps whose places are named.
@@ -201,14 +204,10 @@ pub fn step_excess(assembly: &Assembly<'_>) -> Vec<Excess> {
     Spectrum::new(assembly, MOTIONS).map_or(Vec::new(), |spectrum| excesses(assembly, &spectrum, &joints))
 }
 
-/// Places at which the section changes with elements on both sides, and the smaller of the outer radii there, m.
-fn places_of_steps(model: &Model) -> Vec<(f64, f64)> {
-    let step = |pair: &[Element]| {
-        let sections = [&pair[0], &pair[1]].map(|e| &model.sections[e.section]);
-        let radius = sections[0].outer_size().min(sections[1].outer_size());
-        (sections[0] != sections[1]).then_some((pair[1].x, radius))
-    };
-    model.elements.windows(2).filter_map(step).collect()
+/// Pairs of elements between which the section changes.
+fn steps_of(model: &Model) -> impl Iterator<Item = [&Element; 2]> {
+    let differ = |pair: &[&Element; 2]| model.sections[pair[0].section] != model.sections[pair[1].section];
+    model.elements.windows(2).map(|pair| [&pair[0], &pair[1]]).filter(move |pair| differ(pair))
 }
 
 /// Says where kinked functions act and what they cost, and warns of disks whose own bending they do not reach.
@@ -218,13 +217,9 @@ pub fn kink_remarks(assembly: &Assembly<'_>, diagnostics: &mut Vec<Diagnostic>) 
     if elements == 0 {
         return;
     }
-    let refined = |pair: &[Element]| {
-        let kinked = pair.iter().any(|e| !e.kinks.is_empty());
-        let sections = [&pair[0], &pair[1]].map(|e| &model.sections[e.section]);
-        let round = sections.iter().all(|s| s.is_axisymmetric());
-        (kinked && round && sections[0] != sections[1]).then_some(pair[1].x)
-    };
-    let steps: Vec<f64> = model.elements.windows(2).filter_map(refined).collect();
+    let round = |e: &&Element| model.sections[e.section].is_axisymmetric();
+    let refined = |pair: &[&Element; 2]| pair.iter().all(round) && pair.iter().any(|e| !e.kinks.is_empty());
+    let steps: Vec<f64> = steps_of(model).filter(refined).map(|[_, right]| right.x).collect();
     diagnostics.push(Diagnostic::info(
         "steps-refined",
         format!(
@@ -257,8 +252,8 @@ fn plate_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
         let wave_speed = (material.youngs_modulus
             / (material.density * (1.0 - material.poisson_ratio * material.poisson_ratio)))
             .sqrt();
-        // a disk held at its centre, two nodal diameters: w = 5.4 sqrt(E h^2 / (12 rho (1 - nu^2))) / R^2
-        let two_diameters = 5.4 * wave_speed * length / 12f64.sqrt() / section.outer_size().powi(2);
+        // w = lambda^2 sqrt(E h^2 / (12 rho (1 - nu^2))) / R^2
+        let two_diameters = TWO_DIAMETERS * wave_speed * length / 12f64.sqrt() / section.outer_size().powi(2);
         diagnostics.push(Diagnostic::warning(
             "thin-disk",
             format!(
@@ -275,7 +270,8 @@ fn plate_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
 
 /// Says of probes beside a step that stress has no limit at its corner.
 pub fn stress_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
-    let steps = places_of_steps(model);
+    let radius = |e: &Element| model.sections[e.section].outer_size();
+    let steps: Vec<(f64, f64)> = steps_of(model).map(|[a, b]| (b.x, radius(a).min(radius(b)))).collect();
     for probe in &model.probes {
         let near = |(x, radius): &&(f64, f64)| (probe.x - x).abs() < SINGULAR * radius;
         let Some((x, radius)) = steps.iter().find(near) else { continue };

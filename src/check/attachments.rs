@@ -4,8 +4,7 @@ use crate::case::{self};
 use crate::check::mesh::Mesh;
 use crate::check::{Input, LARGEST_SI};
 use crate::error::Result;
-use crate::model::{ActsOn, Bearing, Disk, Hub, SectionHold, Support, SupportKind};
-use crate::section::basis::SectionBasis;
+use crate::model::{ActsOn, Bearing, Disk, Field, Hub, SectionHold, Support, SupportKind};
 use crate::section::{Section, Surface};
 use std::f64::consts::PI;
 
@@ -137,7 +136,7 @@ impl Input<'_> {
                 (_, fix) => SupportKind::Fix(self.fix(
                     &path,
                     fix.as_deref().unwrap_or(&[]),
-                    mesh.nodes[node].field.basis,
+                    &mesh.nodes[node].field,
                 )?),
             };
             supports.push(Support { node, kind, path });
@@ -283,13 +282,8 @@ impl Input<'_> {
         Ok(Bearing { node, stiffness, damping, acts_on, path: path.to_owned() })
     }
 
-    pub(super) fn fix(
-        &self,
-        path: &str,
-        names: &[String],
-        basis: SectionBasis,
-    ) -> Result<Vec<(usize, usize)>> {
-        let (vectors, n_vectors) = (basis.names(), basis.count());
+    pub(super) fn fix(&self, path: &str, names: &[String], field: &Field) -> Result<Vec<(usize, usize)>> {
+        let (vectors, n_vectors) = (field.basis.names(), field.count());
         let mut list = Vec::new();
         if names.is_empty() {
             return self.fault(&format!("{path}.fix"), "nothing is fixed", "a list of vectors or components");

@@ -22,7 +22,7 @@ pub struct SegmentPlan {
     /// Member of the element family.
     pub kind: ElementKind,
     /// Effort at steps, 0 for none.
-    pub kinks: usize,
+    pub effort: usize,
     /// Index of its section.
     pub section: usize,
     /// Index of its material.
@@ -41,8 +41,9 @@ pub struct Mesh {
 impl Mesh {
     /// Meshes the segments so that every one of `positions` is an element end.
     ///
-    /// Steps at the places `plain` take no kinks. Within a segment the elements are dealt out to the pieces between positions, each time to the piece
-    /// whose elements are longest, at least one to each: lengths as even as possible, never fewer elements.
+    /// Steps at the places `plain` take no kinks. Within a segment the elements are dealt out to the pieces between
+    /// positions, each time to the piece whose elements are longest, at least one to each: lengths as even as possible,
+    /// never fewer elements.
     pub fn new(
         plans: &[SegmentPlan],
         sections: &[Section],
@@ -128,7 +129,7 @@ fn steps(
     from: f64,
 ) -> (Steps, f64) {
     let plan = &plans[segment];
-    if plan.kinks == 0 {
+    if plan.effort == 0 {
         return (Steps::default(), 0.0);
     }
     let same = |p: &&SegmentPlan| sections[p.section] == sections[plan.section];
@@ -137,7 +138,7 @@ fn steps(
     let neighbour = |i: Option<usize>| {
         let other = plans.get(i?)?;
         // both sides of a step take the same kinks
-        let effort = if other.kinks == 0 { plan.kinks } else { plan.kinks.max(other.kinks) };
+        let effort = if other.effort == 0 { plan.effort } else { plan.effort.max(other.effort) };
         let effort = effort.min(most(plan.kind.basis)).min(most(other.kind.basis));
         Some(Neighbour { section: &sections[other.section], effort })
     };
@@ -198,7 +199,7 @@ mod tests {
     fn plan(length: f64, elements: u64, order: usize) -> SegmentPlan {
         let kind =
             ElementKind { axial_degree: 3, basis: SectionBasis::Monomials(order), law: Law::Continuum };
-        SegmentPlan { length, elements, kind, kinks: 0, section: 0, material: 0 }
+        SegmentPlan { length, elements, kind, effort: 0, section: 0, material: 0 }
     }
 
     fn ends(mesh: &Mesh) -> Vec<f64> {

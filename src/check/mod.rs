@@ -246,45 +246,45 @@ impl Input<'_> {
             fixed.push((asked, effort, *shape, segment.length.0));
         }
         let ends: Vec<_> = fixed.iter().map(|f| (f.1, f.2, f.3)).collect();
-        let efforts = steps::efforts(&ends);
+        let wanted = steps::efforts(&ends);
         level(&mut chosen);
-        let mut choices = Vec::new();
-        let mut kinds = Vec::new();
-        for (i, ((asked, effort, ..), choice)) in fixed.into_iter().zip(chosen).enumerate() {
-            let chosen = choice.as_ref().map(|(c, ..)| match c.basis {
+        let mut taken = Vec::new();
+        for (i, (asked, effort, ..)) in fixed.iter().enumerate() {
+            let basis = chosen[i].as_ref().map(|(c, ..)| match c.basis {
                 // what a step bends has no quadratic sections
-                SectionBasis::Monomials(2) if efforts[i] > 0 => SectionBasis::Monomials(3),
+                SectionBasis::Monomials(2) if wanted[i] > 0 => SectionBasis::Monomials(3),
                 basis => basis,
             });
-            if let (Some((Choice { reason, estimate, .. }, ..)), Some(basis)) = (&choice, chosen) {
-                let (name, section) = (basis.member(), &shaft.segments[i].section);
-                let mut text = format!(
-                    "{name} for section \"{section}\": {reason}; estimated error of its functions {estimate:.0e}"
-                );
-                let mut estimated_error = *estimate;
-                if efforts[i] > 0 {
-                    let left = steps::estimate(&ends, &efforts, i);
-                    let by = if effort.is_none() { "chosen" } else { "asked" };
-                    text += &format!(
-                        "; kinks of effort {} ({by}) at its steps leave about {left:.0e}",
-                        efforts[i]
-                    );
-                    estimated_error = estimated_error.max(left);
-                }
-                choices.push(ElementChoice { text, segment: i, estimated_error });
-            }
-            let kind = asked.or(chosen.map(continuum)).unwrap_or(continuum(SectionBasis::Monomials(3)));
-            if effort.is_some_and(|effort| effort > steps::most(kind.basis)) {
-                let most = steps::most(kind.basis);
+            let kind = asked.or(basis.map(continuum)).unwrap_or(continuum(SectionBasis::Monomials(3)));
+            let most = steps::most(kind.basis);
+            if effort.is_some_and(|effort| effort > most) {
                 return self.fault(
                     &format!("shaft.segments.{i}.element"),
                     format!("{} has too high a radial degree for kinks of this effort", kind.name()),
                     format!("k0 to k{most}, or a radial degree up to 5; \"auto\" chooses both"),
                 );
             }
-            kinds.push(Taken { kind, effort: efforts[i].min(steps::most(kind.basis)) });
+            taken.push(Taken { kind, effort: wanted[i].min(most) });
         }
-        Ok((kinds, choices))
+        let efforts: Vec<usize> = taken.iter().map(|t| t.effort).collect();
+        let mut choices = Vec::new();
+        for (i, choice) in chosen.iter().enumerate() {
+            let Some((Choice { reason, estimate, .. }, ..)) = choice else { continue };
+            let (name, section) = (taken[i].kind.name(), &shaft.segments[i].section);
+            let mut text = format!(
+                "{name} for section \"{section}\": {reason}; estimated error of its functions {estimate:.0e}"
+            );
+            let mut estimated_error = *estimate;
+            if efforts[i] > 0 {
+                let left = steps::estimate(&ends, &efforts, i);
+                let by = if ends[i].0.is_none() { "chosen" } else { "asked" };
+                text +=
+                    &format!("; kinks of effort {} ({by}) at its steps leave about {left:.0e}", efforts[i]);
+                estimated_error = estimated_error.max(left);
+            }
+            choices.push(ElementChoice { text, segment: i, estimated_error });
+        }
+        Ok((taken, choices))
     }
 
     /// The shaft of a case that has nothing but one.
@@ -366,7 +366,7 @@ impl Input<'_> {
                 length: self.length(&at("length"), segment.length.0)?,
                 elements: segment.elements,
                 kind,
-                kinks: effort,
+                effort,
                 section,
                 material: self.named(&at("material"), "material", &segment.material, materials)?,
             });

@@ -16,6 +16,8 @@ const REACH: [f64; 2] = [0.8, 0.3];
 const FIRST_ELEMENT: f64 = 0.5;
 /// Ratio of the lengths of elements one behind the other.
 const GROWTH: f64 = 3.0;
+/// Share of an element within which an end is not placed beside another one.
+const CLOSE_ENDS: f64 = 0.3;
 /// Longest element of a graded mesh over the outer radius.
 const LONGEST: f64 = 2.0;
 /// Height over the smaller radius below which a step is none: it changes frequencies by less than 1e-4.
@@ -23,7 +25,8 @@ const SMALLEST_STEP: f64 = 2e-3;
 /// Longest scale of a kink beside a step over its distance from the edge of the shared area.
 const SCALE: f64 = 5.0;
 
-/// Distance of two kinks over their radius within which they are one.
+/// Distance of two kinks over their radius within which they are one. This number and the two below are by trial on short disks
+/// between unlike shafts, whose eigenvalue problems did not converge with less.
 const NEAR_RADIUS: f64 = 0.03;
 /// Distance of the radii of two steps over the smaller one that kinks of a high degree need in one zone.
 const HIGH_APART: f64 = 0.35;
@@ -137,7 +140,7 @@ impl Steps {
 /// True for zones that meet, or nearly so: they are one.
 fn meet(zones: &[Option<Zone>; 2], length: f64) -> bool {
     match zones {
-        [Some(a), Some(b)] => a.length + b.length >= length - 0.3 * a.first.min(b.first),
+        [Some(a), Some(b)] => a.length + b.length >= length - CLOSE_ENDS * a.first.min(b.first),
         [one, other] => one.iter().chain(other).any(|z| z.length >= length),
     }
 }
@@ -166,19 +169,19 @@ pub fn efforts(segments: &[(Option<usize>, Section, f64)]) -> Vec<usize> {
     list
 }
 
-/// Largest relative error of the first four bending motions that a step of one height (difference of radii over the smaller
-/// outer radius) leaves without kinks; from the random shafts in docs/theory/steps.md#effort.
+/// Largest relative error of bending motions seen without kinks at steps of a height (difference of radii over the smaller
+/// outer radius): up to 0.6 the random shafts of docs/theory/steps.md#effort, beyond them the shafts of docs/limits.md.
 const WITHOUT_KINKS: [(f64, f64); 8] = [
     (0.0, 0.0),
     (0.15, 0.007),
     (0.3, 0.011),
     (0.4, 0.02),
     (0.6, 0.027),
-    (1.0, 0.035),
-    (3.0, 0.045),
-    (9.0, 0.05),
+    (1.0, 0.036),
+    (3.0, 0.067),
+    (9.0, 0.074),
 ];
-/// The share of the error without kinks that each effort leaves; upper bounds of the same shafts.
+/// The share of the error without kinks that each effort leaves on most of the same shafts, between median and upper quartile.
 pub const SHARE_LEFT: [f64; FINEST + 1] = [1.0, 0.75, 0.36, 0.2, 0.14, 0.12, 0.1];
 /// Relative error that an automatic effort aims at.
 const AIM: f64 = 0.005;
@@ -291,10 +294,10 @@ fn cuts(length: f64, longest: f64, zones: &[Option<Zone>; 2]) -> Vec<f64> {
         while at < zone.length || size < longest {
             let next = at + size.min(longest.max(zone.first));
             // an end of the zone is one of an element, unless the next or the last one is close to it
-            let ends = !whole && at < zone.length && next > zone.length - 0.3 * size;
+            let ends = !whole && at < zone.length && next > zone.length - CLOSE_ENDS * size;
             at = if ends { zone.length } else { next };
             // both sides place the ends of their zones, and share what is left
-            if (whole || at > zone.length) && at > share(i) - 0.3 * size.min(longest) {
+            if (whole || at > zone.length) && at > share(i) - CLOSE_ENDS * size.min(longest) {
                 break;
             }
             list.push(at);

@@ -2,6 +2,8 @@
 
 use crate::common::{campbell, fieldtest, model, report_json, with};
 use crate::cubic_solid::{Solid, SolidSegment};
+use crate::ring::{LENGTH, R, STEEL, force, largest, strained, tangent, upright};
+use crate::solid::{self, Matter};
 use faer::Mat;
 use nalgebra::{Rotation3, Vector3};
 use rotor::analysis::matrices::matrices;
@@ -15,7 +17,7 @@ use rotor::element::polynomial::NonlinearElement;
 use rotor::element::quadrature::gauss;
 use rotor::element::{ElementMatrices, Kernel};
 use rotor::instructions::Instructions;
-use rotor::model::{ElementKind, Law, Material, Model, Quadrature};
+use rotor::model::{ElementKind, Law, Model, Quadrature};
 use rotor::results::ModeKind;
 use rotor::run::Analysis;
 use rotor::section::Section;
@@ -25,16 +27,6 @@ use rotor::shaft::assembly::Assembly;
 use serde_json::{Map, Value, json};
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
-
-const STEEL: Material = Material {
-    youngs_modulus: 2.1e11,
-    poisson_ratio: 0.3,
-    density: 7850.0,
-    stiffness_damping: 1e-5,
-    mass_damping: 0.0,
-};
-const LENGTH: f64 = 0.4;
-const R: f64 = 0.2;
 
 const fn member(basis: SectionBasis) -> ElementKind {
     ElementKind { axial_degree: 3, basis, law: Law::Continuum }
@@ -126,43 +118,11 @@ fn kinked((kind, kinks, section): &(ElementKind, Kinks, Section)) -> KinkedEleme
     KinkedElement::new((*kind, kinks), section, &STEEL, LENGTH, R, with)
 }
 
-/// Undeformed coordinates of an element of n vectors.
-fn straight(n: usize) -> Vec<f64> {
-    let mut q = vec![0.0; 12 * n];
-    for node in 0..4 {
-        q[3 * n * node] = LENGTH * node as f64 / 3.0;
-        q[3 * (n * node + 1) + 1] = R;
-        q[3 * (n * node + 2) + 2] = R;
-    }
-    q
-}
-
-fn deformed(n: usize) -> Vec<f64> {
-    straight(n).iter().enumerate().map(|(i, q)| q + 0.001 * (1.7 * i as f64 + 0.3).sin()).collect()
-}
-
-fn force(element: &dyn Kernel, q: &[f64]) -> (f64, Vec<f64>) {
-    let mut f = vec![0.0; q.len()];
-    let energy = element.internal_force(q, None, &mut f, &mut Scratch::default());
-    (energy, f)
-}
-
-fn tangent(element: &dyn Kernel, q: &[f64]) -> Mat<f64> {
-    let n = q.len();
-    let mut k = vec![0.0; n * n];
-    element.tangent(q, &mut k, &mut Scratch::default());
-    Mat::from_fn(n, n, |i, j| k[j * n + i])
-}
-
-fn largest(list: &[f64]) -> f64 {
-    list.iter().fold(0.0, |m, v| m.max(v.abs()))
-}
-
 #[test]
 fn force_is_the_derivative_of_energy_and_tangent_that_of_force() {
     for of in elements() {
         let (element, n) = (kinked(&of), of.0.n_vectors() + of.1.count());
-        let q = deformed(n);
+        let q = strained(n);
         let (_, f) = force(&element, &q);
         let k = tangent(&element, &q);
         let (size, pull) = (k.norm_max(), largest(&f));
@@ -191,7 +151,7 @@ fn the_undeformed_element_has_the_linear_matrices() {
     for of in elements() {
         let (kind, kinks, section) = &of;
         let n = kind.n_vectors() + kinks.count();
-        let (element, q) = (kinked(&of), straight(n));
+        let (element, q) = (kinked(&of), upright(n));
         let linear = ElementMatrices::with_kinks((*kind, kinks), section, &STEEL, LENGTH, R);
         let k = tangent(&element, &q);
         let error = (&k - &linear.stiffness).norm_max();
@@ -223,15 +183,15 @@ fn rotations_turn_the_force_and_homogeneous_strains_are_the_member_alone() {
     };
     for of in elements() {
         let (element, n) = (kinked(&of), of.0.n_vectors() + of.1.count());
-        let q = deformed(n);
+        let q = strained(n);
         let ((energy, f), (same, g)) = (force(&element, &q), force(&element, &turned(&q)));
         assert!((same / energy - 1.0).abs() < 1e-12);
         let error: Vec<f64> = turned(&f).iter().zip(&g).map(|(a, b)| a - b).collect();
         assert!(largest(&error) < 1e-12 * largest(&f), "{:e}", largest(&error) / largest(&f));
-        let rigid = force(&element, &turned(&straight(n))).1;
-        assert!(largest(&rigid) < 1e-13 * tangent(&element, &straight(n)).norm_max() * R);
+        let rigid = force(&element, &turned(&upright(n))).1;
+        assert!(largest(&rigid) < 1e-13 * tangent(&element, &upright(n)).norm_max() * R);
         // r = F X: the energy of the volume, and no force on kinks beyond that of a homogeneous stress
-        let strained: Vec<f64> = straight(n)
+        let strained: Vec<f64> = upright(n)
             .chunks_exact(3)
             .flat_map(|v| [1.01 * v[0] + 0.02 * v[1], 0.98 * v[1] + 0.01 * v[2], 1.03 * v[2] - 0.01 * v[0]])
             .collect();
@@ -338,6 +298,8 @@ fn errors_of(name: &str, element: &str) -> [f64; 3] {
         .zip(&ours)
         .map(|(key, ours)| {
             let right = numbers(&reference[*key]);
+            // the motions asked for end somewhere
+            assert!(ours.len() >= 3, "{name} {key}: {ours:?}");
             worst(ours, &right[..ours.len().min(4)])
         })
         .collect::<Vec<_>>()
@@ -632,6 +594,34 @@ fn written_matrices_have_rows_for_kinks() {
     assert!((mass / right - 1.0).abs() < 1e-12, "{mass} {right}");
     let assembly = Assembly::new(&model);
     assert!(assembly.kinked_unknowns() > 0 && assembly.kinked_unknowns() < assembly.size());
+}
+
+/// The frequency that the warning of a thin disk names is that of a solid with two waves.
+#[test]
+fn thin_disks_are_warned_of_with_their_own_frequency() {
+    let pieces = [[0.1, 0.01, 0.0], [0.004, 0.1, 0.0], [0.1, 0.01, 0.0]];
+    let model = model(&stepped(&pieces, "34X3k2", 2, STEEL_NUMBERS, json!({})));
+    let found = modes(&model).unwrap_or_else(|e| panic!("{e}"));
+    let text = &found.diagnostics.iter().find(|d| d.code == "thin-disk").expect("a thin disk").message;
+    let said = text.split("from about ").nth(1).and_then(|t| t.split(' ').next()).expect("a frequency");
+    let said: f64 = said.parse().expect("a number");
+    let of = pieces.map(|[length, outer, inner]| [length, inner, outer]);
+    let [e, nu, rho] = STEEL_NUMBERS;
+    let right = TAU * solid::Solid::new(&of, Matter(e, nu, rho), 2, 0.25).frequencies(1)[0];
+    assert!((said / right - 1.0).abs() < 0.05, "{said} {right}");
+}
+
+/// `fix` of all vectors holds a section in a zone as a whole.
+#[test]
+fn fixing_all_holds_kinks() {
+    let pieces = [[0.2, 0.02, 0.0], [0.2, 0.05, 0.0]];
+    let first = |support: Value| {
+        let more = json!({ "supports": [support], "modes": { "count": 6 } });
+        frequencies(&stepped(&pieces, "34X3k4", 4, STEEL_NUMBERS, more))[0][0]
+    };
+    let fixed = first(json!({ "at": 0.21, "fix": ["all"] }));
+    let clamped = first(json!({ "at": 0.21, "kind": "clamped", "section": "rigid" }));
+    assert!((fixed / clamped - 1.0).abs() < 1e-9, "{fixed} {clamped}");
 }
 
 fn refused(element: &str) -> String {

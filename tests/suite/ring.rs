@@ -91,15 +91,18 @@ fn frequencies_of_free_tubes_are_those_of_the_independent_model() {
     }
 }
 
-const STEEL: Material = Material {
+/// Steel with stiffness damping.
+pub const STEEL: Material = Material {
     youngs_modulus: 2.1e11,
     poisson_ratio: 0.3,
     density: 7850.0,
     stiffness_damping: 1e-5,
     mass_damping: 0.0,
 };
-const LENGTH: f64 = 0.4;
-const R: f64 = 0.2;
+/// Length of an element, m.
+pub const LENGTH: f64 = 0.4;
+/// Reference length, m.
+pub const R: f64 = 0.2;
 
 fn member(degree: usize, harmonics: usize) -> ElementKind {
     ElementKind { axial_degree: 3, basis: SectionBasis::Ring { degree, harmonics }, law: Law::Continuum }
@@ -120,35 +123,47 @@ fn element(kind: ElementKind, section: &Section) -> RingElement {
     RingElement::new(kind, section, &STEEL, LENGTH, R, Quadrature::EXACT).expect("a ring")
 }
 
-fn straight(kind: ElementKind) -> Vec<f64> {
-    let n = kind.n_vectors();
-    let mut q = vec![0.0; 3 * n * kind.n_nodes()];
-    for node in 0..kind.n_nodes() {
-        q[3 * n * node] = LENGTH * node as f64 / kind.axial_degree as f64;
+/// Undeformed coordinates of an element of four nodes with n vectors each.
+pub fn upright(n: usize) -> Vec<f64> {
+    let mut q = vec![0.0; 12 * n];
+    for node in 0..4 {
+        q[3 * n * node] = LENGTH * node as f64 / 3.0;
         q[3 * (n * node + 1) + 1] = R;
         q[3 * (n * node + 2) + 2] = R;
     }
     q
 }
 
-fn deformed(kind: ElementKind) -> Vec<f64> {
-    straight(kind).iter().enumerate().map(|(i, q)| q + 0.001 * (1.7 * i as f64 + 0.3).sin()).collect()
+/// The same strained by some per cent; every coordinate moves.
+pub fn strained(n: usize) -> Vec<f64> {
+    upright(n).iter().enumerate().map(|(i, q)| q + 0.001 * (1.7 * i as f64 + 0.3).sin()).collect()
 }
 
-fn force(element: &RingElement, q: &[f64]) -> (f64, Vec<f64>) {
+fn straight(kind: ElementKind) -> Vec<f64> {
+    upright(kind.n_vectors())
+}
+
+fn deformed(kind: ElementKind) -> Vec<f64> {
+    strained(kind.n_vectors())
+}
+
+/// Energy and force of an element.
+pub fn force(element: &dyn Kernel, q: &[f64]) -> (f64, Vec<f64>) {
     let mut f = vec![0.0; q.len()];
     let energy = element.internal_force(q, None, &mut f, &mut Scratch::default());
     (energy, f)
 }
 
-fn tangent(element: &RingElement, q: &[f64]) -> Mat<f64> {
+/// Tangent of an element.
+pub fn tangent(element: &dyn Kernel, q: &[f64]) -> Mat<f64> {
     let n = q.len();
     let mut k = vec![0.0; n * n];
     element.tangent(q, &mut k, &mut Scratch::default());
     Mat::from_fn(n, n, |i, j| k[j * n + i])
 }
 
-fn largest(v: &[f64]) -> f64 {
+/// Largest size of an entry.
+pub fn largest(v: &[f64]) -> f64 {
     v.iter().fold(0.0, |m: f64, x| m.max(x.abs()))
 }
 

@@ -300,7 +300,9 @@ pub fn constraint_rows(model: &Model, node: usize) -> Vec<Vec<f64>> {
             SupportKind::Pinned(acts_on) => (0..3).map(|c| mean(c, *acts_on)).collect(),
             SupportKind::Roller(acts_on) => (1..3).map(|c| mean(c, *acts_on)).collect(),
             SupportKind::Turned => vec![mean_rotation(model, node, ActsOn::Section)],
-            SupportKind::Fix(components) => components.iter().map(|&(k, c)| unit(k, c)).collect(),
+            SupportKind::Fix(components) => {
+                components.iter().filter(|(k, _)| gripped[*k]).map(|&(k, c)| unit(k, c)).collect()
+            }
         });
     }
     if model.disks.iter().any(|d| d.node == node && d.hub == Hub::Rigid) {
