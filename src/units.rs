@@ -71,10 +71,19 @@ const VELOCITY: Units = &[("m/s", 1.0), ("mm/s", 1e-3)];
 const RIGIDITY: Units = &[("N m^2", 1.0), ("N mm^2", 1e-6)];
 const LINEAR_DENSITY: Units = &[("kg/m", 1.0), ("g/mm", 1.0)];
 const MOMENT_OF_MASS: Units = &[("kg m", 1.0), ("kg mm", 1e-3), ("g mm", 1e-6)];
+const TILT_STIFFNESS: Units = &[
+    ("N m/rad", 1.0),
+    ("N m", 1.0),
+    ("kN m/rad", 1e3),
+    ("N mm/rad", 1e-3),
+    ("lbf in/rad", POUND_FORCE * INCH),
+];
+const TILT_DAMPING: Units =
+    &[("N m s/rad", 1.0), ("N m s", 1.0), ("N mm s/rad", 1e-3), ("lbf in s/rad", POUND_FORCE * INCH)];
 const PENALTY: Units = &[("N/m^3", 1.0), ("MPa/mm", 1e9)];
 
 /// Every dimension by name.
-const DIMENSIONS: [(&str, Units); 19] = [
+const DIMENSIONS: [(&str, Units); 21] = [
     ("length", LENGTH),
     ("stress", STRESS),
     ("mass", MASS),
@@ -94,6 +103,8 @@ const DIMENSIONS: [(&str, Units); 19] = [
     ("mass per length", LINEAR_DENSITY),
     ("inertia per length", MOMENT_OF_MASS),
     ("pressure per penetration", PENALTY),
+    ("stiffness against turning", TILT_STIFFNESS),
+    ("damping against turning", TILT_DAMPING),
 ];
 
 /// Smallest size of a quantity but zero, in SI.
@@ -287,6 +298,8 @@ quantities! {
     LinearDensity "mass per length" LINEAR_DENSITY;
     MomentOfMass "inertia per length" MOMENT_OF_MASS;
     PenaltyModulus "pressure per penetration" PENALTY;
+    TiltStiffness "stiffness against turning" TILT_STIFFNESS;
+    TiltDamping "damping against turning" TILT_DAMPING;
 }
 
 /// A matrix across the axis, [[yy, yz], [zy, zz]]; one number stands for the same in both directions.
@@ -307,6 +320,18 @@ impl Zero for Stiffness {
 }
 
 impl Zero for Damping {
+    const ZERO: Self = Self(0.0);
+}
+
+impl Zero for Mass {
+    const ZERO: Self = Self(0.0);
+}
+
+impl Zero for TiltStiffness {
+    const ZERO: Self = Self(0.0);
+}
+
+impl Zero for TiltDamping {
     const ZERO: Self = Self(0.0);
 }
 

@@ -365,6 +365,7 @@ mod tests {
             poisson_ratio: nu,
             density: 7800.0,
             stiffness_damping: 0.0,
+            loss_factor: 0.0,
             mass_damping: 0.0,
         }
     }

@@ -95,6 +95,7 @@ mod tests {
         poisson_ratio: 0.3,
         density: 7850.0,
         stiffness_damping: 0.0,
+        loss_factor: 0.0,
         mass_damping: 0.0,
     };
 

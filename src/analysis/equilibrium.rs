@@ -14,7 +14,7 @@ use crate::linalg::dot;
 use crate::linalg::sparse::{Sparse, combine, multiply, symmetric_part};
 use crate::model::{Bearing, Element};
 use crate::shaft::acting::Acting;
-use crate::shaft::assembly::{Assembly, RigidMotion};
+use crate::shaft::assembly::{Assembly, RigidMotion, dragged};
 use crate::shaft::attachments::bearing_rows;
 use crate::shaft::internal_forces::{Forces, ScalarMass, Workspace};
 use crate::shaft::loads::{Loads, Turned, Which};
@@ -105,9 +105,9 @@ impl<'a> Balance<'a> {
         let loads = Loads::new(model, numbering, &mass, which);
         let turns = which == Which::ConstantInTurningFrame && speed != 0.0;
         let external = turns && model.materials.iter().any(|m| m.mass_damping != 0.0);
-        let damped = turns && model.bearings.iter().any(|b| b.damping != [[0.0; 2]; 2]);
+        let damped = turns && model.bearings.iter().any(|b| b.damps());
         let drag = (damped || external).then(|| assembly.rotating_damping());
-        let crossed = |b: &Bearing| b.stiffness[0][1] != b.stiffness[1][0];
+        let crossed = Bearing::couples;
         let skew = drag.is_some() || loads.depend_on_place() || model.bearings.iter().any(crossed);
         let (unresisted, motions) = assembly.rigid_motions();
         let modulus = |e: &Element| {
@@ -187,7 +187,9 @@ impl<'a> Balance<'a> {
 
     /// Adds `Omega C J u` of every bearing: a section at rest in the turning frame moves with `Omega J u`.
     fn add_bearing_drag(&self, q: &[f64], speed: f64, force: &mut [f64]) {
-        let drag = |b: &Bearing, [y, z]: [f64; 2]| b.damping.map(|c| speed * (c[1] * y - c[0] * z));
+        let drag = |b: &Bearing, [y, z]: [f64; 2]| {
+            dragged(b, b.damping).map(|[on_y, on_z]| speed * (on_y * y + on_z * z))
+        };
         self.add_of_bearings(q, drag, force);
     }
 

@@ -5,6 +5,7 @@ pub mod campbell;
 pub mod character;
 pub mod check;
 pub mod contact;
+pub mod critical_map;
 pub mod equilibrium;
 pub mod joint;
 pub mod mass_properties;
@@ -13,6 +14,7 @@ pub mod modes;
 pub mod plausibility;
 mod points;
 pub mod probes;
+pub mod response;
 mod section_forces;
 pub mod spinup;
 pub mod statics;
@@ -21,7 +23,7 @@ pub mod steps;
 
 use crate::element::structural_3333s::AXIAL_POINTS;
 use crate::model::{Hub, Law, Model, Quadrature};
-use crate::results::{Diagnostic, LeftOut, ModelSummary, Modelled};
+use crate::results::{Diagnostic, LeftOut, ModelSummary, Modelled, OperatingRange};
 use crate::shaft::assembly::Assembly;
 
 /// Called with the number of speeds that were done.
@@ -80,10 +82,16 @@ fn contents(model: &Model, law: Modelled, degrees_of_freedom: usize, mass_kg: f6
         let hubs = [Hub::Rigid, Hub::Soft, Hub::Bore, Hub::Rim].map(with);
         modelled.push(Modelled::Disks(hubs.into_iter().filter(|(n, _)| *n > 0).collect()));
     }
-    if model.bearings.is_empty() {
+    let mut bearings: Vec<&str> =
+        model.bearings.iter().filter(|b| b.holds_shaft()).map(|b| b.path.as_str()).collect();
+    bearings.dedup();
+    if bearings.is_empty() {
         left_out.push(LeftOut::Bearings);
     } else {
-        modelled.push(Modelled::Bearings(model.bearings.len()));
+        modelled.push(Modelled::Bearings(bearings.len()));
+    }
+    if !model.housings.is_empty() {
+        modelled.push(Modelled::Housings(model.housings.len()));
     }
     ModelSummary {
         degrees_of_freedom,
@@ -120,6 +128,37 @@ fn model_remarks(model: &Model, assembly: &Assembly<'_>) -> Vec<Diagnostic> {
     steps::kink_remarks(assembly, &mut list);
     steps::step_remarks(assembly, &mut list);
     list
+}
+
+/// The speeds at which the machine runs, for the report.
+fn operating_range(model: &Model) -> Option<OperatingRange> {
+    model.operating_speed.map(|o| OperatingRange {
+        minimum_rad_s: o.minimum,
+        maximum_rad_s: o.maximum,
+        trip_rad_s: o.trip,
+    })
+}
+
+/// Speeds at which bearings have no coefficients of their own.
+fn table_remarks(model: &Model, speeds: &[f64], list: &mut Vec<Diagnostic>) {
+    let rpm = |s: f64| s * 30.0 / std::f64::consts::PI;
+    for bearing in &model.bearings {
+        let Some(table) = &bearing.table else { continue };
+        let outside = speeds.iter().filter(|s| table.outside(**s)).count();
+        if outside > 0 {
+            let [first, last] = table.speeds();
+            list.push(Diagnostic::warning(
+                "table-held",
+                format!(
+                    "{}: the table covers {:.1} to {:.1} rpm; at {outside} of {} speeds outside the values of its end are held",
+                    bearing.path,
+                    rpm(first),
+                    rpm(last),
+                    speeds.len()
+                ),
+            ));
+        }
+    }
 }
 
 /// Remarks on input that a linear analysis does not use.

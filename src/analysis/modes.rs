@@ -79,12 +79,11 @@ pub fn modes(model: &Model) -> Result<Outcome<Modes>> {
     let mass = crate::analysis::mass_properties::properties(model).mass();
     let mut model_summary = summary(model, assembly.size(), mass);
     model_summary.left_out.push(LeftOut::SpinOfModes);
-    if assembly.has_material_damping()
-        || model.bearings.iter().any(|b| b.damping.iter().flatten().any(|c| *c != 0.0))
-    {
+    let lossy = model.materials.iter().any(|m| m.loss_factor > 0.0);
+    if assembly.has_material_damping() || lossy || model.bearings.iter().any(|b| b.damps()) {
         model_summary.left_out.push(LeftOut::DampingOfModes);
     }
-    if model.bearings.iter().any(|b| b.stiffness[0][1] != b.stiffness[1][0]) {
+    if model.bearings.iter().any(|b| b.couples()) {
         diagnostics.push(Diagnostic::warning(
             "cross-coupling-ignored",
             "the skew part of the bearings' stiffness (cross-coupling) is left out of the natural modes",

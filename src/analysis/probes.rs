@@ -91,6 +91,32 @@ pub fn point_state(assembly: &Assembly<'_>, q: &[f64], [x, y, z]: [f64; 3]) -> P
     }
 }
 
+/// Axial stress of small strains at the surface of a section at x (m), on its axes y and z: rows over the coordinates.
+pub fn axial_stress_rows(assembly: &Assembly<'_>, x: f64) -> [Vec<(usize, f64)>; 2] {
+    let model = assembly.model;
+    let e = element_at(model, x);
+    let section = &model.sections[e.section];
+    let by_gradient = |c: usize, j: usize| {
+        let mut strain = Matrix3::zeros();
+        strain[(c, j)] += 0.5;
+        strain[(j, c)] += 0.5;
+        stress_at(e.kind.law, section, &model.materials[e.material], &strain)[(0, 0)]
+    };
+    let factors: [[f64; 3]; 3] = [0, 1, 2].map(|c| [0, 1, 2].map(|j| by_gradient(c, j)));
+    [[section.outer[0], 0.0], [0.0, section.outer[1]]].map(|[y, z]| {
+        let mut row = Vec::new();
+        for (at, _, slopes) in shape(assembly, e, [x, y, z]) {
+            for (c, factors) in factors.iter().enumerate() {
+                let factor: f64 = factors.iter().zip(slopes).map(|(a, b)| a * b).sum();
+                if factor != 0.0 {
+                    row.push((at + c, factor));
+                }
+            }
+        }
+        row
+    })
+}
+
 /// Displacement of a point.
 pub fn displacement(assembly: &Assembly<'_>, q: &[f64], point: [f64; 3]) -> [f64; 3] {
     let (place, _) = position(assembly, q, element_at(assembly.model, point[0]), point);

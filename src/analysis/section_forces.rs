@@ -12,7 +12,7 @@
 //! sum of what acts before it. Source: docs/theory/loads.md#section-forces.
 
 use crate::analysis::probes::element_at;
-use crate::model::{Element, Model, Probe, SupportKind};
+use crate::model::{Element, Model, Probe, Resists, SupportKind};
 use crate::results::{SectionForces, SupportForces};
 use crate::shaft::acting::{Acting, Resultant};
 use crate::shaft::assembly::Assembly;
@@ -72,15 +72,29 @@ impl<'a> ForceReader<'a> {
             found.at_m.insert(support.path.clone(), model.nodes[support.node].x);
         }
         for (bearing, rows) in model.bearings.iter().zip(&self.bearings) {
-            let felt = |list: &[f64]| {
-                let [y, z] = [0, 1].map(|i| rows[i].iter().map(|&(at, w)| w * list[at]).sum::<f64>());
-                acting.axes.in_space([0.0, y, z])
+            let across = bearing.is_across();
+            let felt = |list: &[f64]| -> [f64; 2] {
+                let values = [0, 1].map(|i| rows[i].iter().map(|&(at, w)| w * list[at]).sum::<f64>());
+                if !across {
+                    return values;
+                }
+                let [_, y, z] = acting.axes.in_space([0.0, values[0], values[1]]);
+                [y, z]
             };
             let (u, v) = (felt(&acting.position), felt(&acting.velocity));
             let (k, c) = (&bearing.stiffness, &bearing.damping);
-            let [y, z] = [0, 1]
-                .map(|i| (0..2).map(|j| k[i][j] * u[1 + j] + c[i][j] * v[1 + j]).fold(0.0, |sum, f| sum - f));
-            found.forces_n.insert(bearing.path.clone(), [0.0, y, z]);
+            let [first, second] =
+                [0, 1].map(|i| (0..2).map(|j| k[i][j] * u[j] + c[i][j] * v[j]).fold(0.0, |sum, f| sum - f));
+            let (list, vector) = match bearing.resists {
+                Resists::Lateral => (&mut found.forces_n, [0.0, first, second]),
+                Resists::Axial => (&mut found.forces_n, [first, 0.0, 0.0]),
+                Resists::Tilt => (&mut found.moments_n_m, [0.0, first, second]),
+                Resists::Torsion => (&mut found.moments_n_m, [first, 0.0, 0.0]),
+            };
+            match list.get_mut(&bearing.path) {
+                Some(sum) => (0..3).for_each(|c| sum[c] += vector[c]),
+                None => drop(list.insert(bearing.path.clone(), vector)),
+            }
             found.at_m.insert(bearing.path.clone(), model.nodes[bearing.node].x);
         }
         found

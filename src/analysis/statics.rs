@@ -31,6 +31,13 @@ const AXIS_POINTS: usize = 201;
 /// # Errors
 /// A load along a motion that no support resists, or an element without nonlinear form.
 pub fn statics(model: &Model) -> Result<Outcome<Static>> {
+    let mut diagnostics = Vec::new();
+    let seals: Vec<&str> = model.bearings.iter().filter(|b| b.seal).map(|b| b.path.as_str()).collect();
+    if !seals.is_empty() {
+        let text = format!("seals carry no static load and are left out: {}", seals.join(", "));
+        diagnostics.push(Diagnostic::info("seals-left-out", text));
+    }
+    let model = &model.without_seals();
     refuse_dependent(model)?;
     refuse_tiny_bore(model)?;
     let assembly = Assembly::new(model);
@@ -43,7 +50,7 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
     };
     let state = balance.solve(settings, None)?;
     let q = balance.coordinates(&state.z);
-    let mut diagnostics = model_remarks(model, &assembly);
+    diagnostics.extend(model_remarks(model, &assembly));
     if !model.has_gravity() && !model.has_loads() {
         diagnostics
             .push(Diagnostic::warning("no-loads", "the case has no loads and no gravity: nothing moves"));

@@ -13,6 +13,12 @@ pub enum Analysis {
     Modes,
     /// Whirl frequencies over speed and critical speeds.
     Campbell,
+    /// Steady vibration by unbalance.
+    Unbalance,
+    /// Steady vibration by excitations at a frequency of their own.
+    Harmonic,
+    /// Undamped critical speeds over the stiffness of the supports.
+    Map,
     /// Equilibrium under loads.
     Static,
     /// Run up to speed.
@@ -31,10 +37,13 @@ pub enum CaseKind {
 }
 
 /// All of them, by rising cost, with their names on the command line, in the case and of the report.
-const NAMES: [(Analysis, &str); 6] = [
+const NAMES: [(Analysis, &str); 9] = [
     (Analysis::Check, "check"),
     (Analysis::Modes, "modes"),
     (Analysis::Campbell, "campbell"),
+    (Analysis::Unbalance, "unbalance"),
+    (Analysis::Harmonic, "harmonic"),
+    (Analysis::Map, "map"),
     (Analysis::Static, "static"),
     (Analysis::Spinup, "spinup"),
     (Analysis::Contact, "contact"),

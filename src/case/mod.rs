@@ -4,6 +4,7 @@
 mod analysis;
 mod paths;
 mod reading;
+mod response;
 mod scene;
 mod schema;
 mod settings;
@@ -15,6 +16,7 @@ mod words;
 
 pub use analysis::{Analysis, CaseKind};
 pub(crate) use paths::shown;
+pub use response::*;
 pub use scene::*;
 pub use schema::schema;
 pub use settings::*;
@@ -70,6 +72,9 @@ pub struct Case {
     /// Supports and bearings. A shaft without any is legal.
     #[serde(default)]
     pub supports: Vec<SupportInput>,
+    /// Housings that bearings share, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub housings: BTreeMap<String, SharedHousingInput>,
     /// Gravity vector, m/s^2 (linear analyses leave it out).
     #[serde(default)]
     pub gravity: Option<[Acceleration; 3]>,
@@ -88,6 +93,21 @@ pub struct Case {
     /// Static equilibrium under the loads and gravity.
     #[serde(default, rename = "static")]
     pub statics: Statics,
+    /// Speeds at which the machine runs: shaded in plots, and what margins are held against.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub operating_speed: Option<OperatingSpeedInput>,
+    /// Gaps between the rotor and its surroundings, held against amplitudes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub clearances: Vec<ClearanceInput>,
+    /// Unbalance, and the steady vibration that it makes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unbalance: Option<UnbalanceInput>,
+    /// Steady vibration by excitations at a frequency of their own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub harmonic: Option<HarmonicInput>,
+    /// Undamped critical speeds over the stiffness of supports.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub map: Option<MapInput>,
     /// Run up to speed, or the steady state at speed.
     #[serde(default)]
     pub spinup: Option<SpinupInput>,

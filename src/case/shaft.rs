@@ -2,7 +2,8 @@
 
 use crate::section::Surface;
 use crate::units::{
-    Damping, Density, Force, Inertia, Length, Mass, Matrix, Moment, Rate, Stiffness, Stress, Time,
+    Damping, Density, Force, Inertia, Length, Mass, Matrix, Moment, Rate, Stiffness, Stress, TiltDamping,
+    TiltStiffness, Time,
 };
 use schemars::JsonSchema;
 use serde::de::{self, IntoDeserializer};
@@ -35,11 +36,18 @@ pub struct MaterialDamping {
     /// External damping alpha: force -alpha M v, 1/s.
     #[serde(default = "default_mass_damping")]
     pub mass: Rate,
+    /// Loss factor eta of the turning material: a stress that alternates at any frequency lags its strain, S = C : E (1 + i eta).
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub loss_factor: f64,
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl Default for MaterialDamping {
     fn default() -> Self {
-        Self { stiffness: default_stiffness_damping(), mass: default_mass_damping() }
+        Self { stiffness: default_stiffness_damping(), mass: default_mass_damping(), loss_factor: 0.0 }
     }
 }
 
@@ -254,8 +262,10 @@ pub enum SupportKindInput {
     Pinned,
     /// No mean displacement in y and z; tilt free.
     Roller,
-    /// Linear springs and dampers in y and z.
+    /// Linear springs and dampers.
     Bearing,
+    /// As a bearing that carries no static load: `rotor static` leaves it out. A negative stiffness is usual.
+    Seal,
 }
 
 /// How a clamped, revolute or cylindrical support holds the section.
@@ -298,13 +308,59 @@ pub struct SupportInput {
     pub section: Option<SectionHoldInput>,
     /// Revolute, cylindrical: rotation prescribed by the drive (default) or free.
     pub driven: Option<bool>,
-    /// Pinned, roller, bearing: the mean displacement of the section (default), its bore or its rim, or the axis vector;
+    /// Pinned, roller, bearing, seal: the mean displacement of the section (default), its bore or its rim, or the axis vector;
     /// clamped, revolute, cylindrical with a plane section: what is held in the plane (mean displacement and turn of
     /// section, bore or rim; by default the axis vector and the section's turn, on ring elements those of the section).
     pub acts_on: Option<ActsOn>,
-    /// Bearing: [[kyy, kyz], [kzy, kzz]], or one number for the same in y and z.
+    /// Bearing, seal: [[kyy, kyz], [kzy, kzz]], or one number for the same in y and z.
     pub stiffness: Option<Matrix<Stiffness>>,
-    /// Bearing: [[cyy, cyz], [czy, czz]], or one number for the same in y and z; default zero.
+    /// Bearing, seal: [[cyy, cyz], [czy, czz]], or one number for the same in y and z; default zero.
+    pub damping: Option<Matrix<Damping>>,
+    /// Bearing, seal: added mass [[myy, myz], [myz, mzz]] of what moves with the shaft, or one number; default zero.
+    pub mass: Option<Matrix<Mass>>,
+    /// Bearing, seal: stiffness along the axis, to the ground.
+    pub axial_stiffness: Option<Stiffness>,
+    /// Bearing, seal: damping along the axis.
+    pub axial_damping: Option<Damping>,
+    /// Bearing, seal: moments about y and z by the section's turn about y and z, [[kyy, kyz], [kzy, kzz]] or one number; to the
+    /// ground.
+    pub tilt_stiffness: Option<Matrix<TiltStiffness>>,
+    /// Bearing, seal: the same by the rate of that turn.
+    pub tilt_damping: Option<Matrix<TiltDamping>>,
+    /// Bearing, seal: moment about x by the section's turn beside the steady rotation; to the ground.
+    pub torsional_stiffness: Option<TiltStiffness>,
+    /// Bearing, seal: the same by the rate of that turn.
+    pub torsional_damping: Option<TiltDamping>,
+    /// Bearing, seal: what stands between the lateral springs and the ground.
+    pub housing: Option<HousingInput>,
+}
+
+/// The housing of a bearing: its own, by mass and springs to the ground, or one of `housings` by name.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Housing")]
+pub struct HousingInput {
+    /// Name of a housing in `housings`, which several bearings may share.
+    #[serde(rename = "ref")]
+    pub name: Option<String>,
+    /// Mass that moves along y and z, [[myy, myz], [myz, mzz]] or one number.
+    pub mass: Option<Matrix<Mass>>,
+    /// Stiffness to the ground, [[kyy, kyz], [kzy, kzz]] or one number.
+    pub stiffness: Option<Matrix<Stiffness>>,
+    /// Damping to the ground, default zero.
+    pub damping: Option<Matrix<Damping>>,
+}
+
+/// A housing (pedestal, frame) that bearings share: it moves along y and z and does not turn.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "SharedHousing")]
+pub struct SharedHousingInput {
+    /// Mass, [[myy, myz], [myz, mzz]] or one number.
+    pub mass: Matrix<Mass>,
+    /// Stiffness to the ground, [[kyy, kyz], [kzy, kzz]] or one number.
+    pub stiffness: Matrix<Stiffness>,
+    /// Damping to the ground, default zero.
     pub damping: Option<Matrix<Damping>>,
 }
 

@@ -1,10 +1,11 @@
 //! Disks, supports and bearings: what may stand where, and what it holds.
 
 use crate::case::{self};
+use crate::check::Input;
+use crate::check::bearings::{Bearings, OF_BEARINGS};
 use crate::check::mesh::Mesh;
-use crate::check::{Input, LARGEST_SI};
 use crate::error::Result;
-use crate::model::{ActsOn, Bearing, Disk, Field, Hub, SectionHold, Support, SupportKind};
+use crate::model::{ActsOn, Disk, Field, Hub, SectionHold, Support, SupportKind};
 use crate::section::{Section, Surface};
 use std::f64::consts::PI;
 
@@ -100,15 +101,15 @@ impl Input<'_> {
         Ok(list)
     }
 
-    pub(super) fn supports(&self, mesh: &Mesh, sections: &[Section]) -> Result<(Vec<Support>, Vec<Bearing>)> {
-        let (mut supports, mut bearings): (Vec<Support>, Vec<Bearing>) = (Vec::new(), Vec::new());
+    pub(super) fn supports(&self, mesh: &Mesh, sections: &[Section]) -> Result<(Vec<Support>, Bearings)> {
+        let (mut supports, mut bearings): (Vec<Support>, Bearings) = (Vec::new(), self.bearings()?);
         for (i, s) in self.case.supports.iter().enumerate() {
             let path = format!("supports.{i}");
             let node = mesh.node_at(s.at.0);
             self.support_keys(&path, s)?;
             let acts_on = self.acts_on(&path, s.acts_on, mesh, sections, node)?;
-            if s.kind == Some(case::SupportKindInput::Bearing) {
-                bearings.push(self.bearing(&path, s, node, acts_on)?);
+            if let Some(kind @ (case::SupportKindInput::Bearing | case::SupportKindInput::Seal)) = s.kind {
+                self.bearing(&path, s, (node, acts_on, kind), &mut bearings)?;
                 continue;
             }
             if let Some(other) = supports.iter().find(|other| other.node == node) {
@@ -197,7 +198,7 @@ impl Input<'_> {
 
     /// Refuses keys that do not belong to the kind of support.
     pub(super) fn support_keys(&self, path: &str, s: &case::SupportInput) -> Result<()> {
-        use case::SupportKindInput::{Bearing, Clamped, Cylindrical, Pinned, Revolute, Roller};
+        use case::SupportKindInput::{Bearing, Clamped, Cylindrical, Pinned, Revolute, Roller, Seal};
         let (name, allowed): (&str, &[&str]) = match (s.kind, &s.fix) {
             (Some(_), Some(_)) => {
                 return self.fault(
@@ -219,7 +220,8 @@ impl Input<'_> {
                 ("revolute or cylindrical", &["section", "driven", "acts_on"])
             }
             (Some(Pinned | Roller), _) => ("pinned or roller", &["acts_on"]),
-            (Some(Bearing), _) => ("bearing", &["stiffness", "damping", "acts_on"]),
+            (Some(Bearing), _) => ("bearing", &OF_BEARINGS),
+            (Some(Seal), _) => ("seal", &OF_BEARINGS),
         };
         let given = [
             ("section", s.section.is_some()),
@@ -227,6 +229,14 @@ impl Input<'_> {
             ("acts_on", s.acts_on.is_some()),
             ("stiffness", s.stiffness.is_some()),
             ("damping", s.damping.is_some()),
+            ("mass", s.mass.is_some()),
+            ("axial_stiffness", s.axial_stiffness.is_some()),
+            ("axial_damping", s.axial_damping.is_some()),
+            ("tilt_stiffness", s.tilt_stiffness.is_some()),
+            ("tilt_damping", s.tilt_damping.is_some()),
+            ("torsional_stiffness", s.torsional_stiffness.is_some()),
+            ("torsional_damping", s.torsional_damping.is_some()),
+            ("housing", s.housing.is_some()),
         ];
         match given.iter().find(|(key, present)| *present && !allowed.contains(key)) {
             Some((key, _)) => self.fault(
@@ -245,41 +255,6 @@ impl Input<'_> {
             ),
             None => Ok(()),
         }
-    }
-
-    pub(super) fn bearing(
-        &self,
-        path: &str,
-        s: &case::SupportInput,
-        node: usize,
-        acts_on: ActsOn,
-    ) -> Result<Bearing> {
-        let Some(stiffness) = s.stiffness else {
-            return self.fault(
-                &format!("{path}.stiffness"),
-                "a bearing needs its stiffness",
-                "one number (the same in y and z) or [[kyy, kyz], [kzy, kzz]], N/m",
-            );
-        };
-        let stiffness = stiffness.0.map(|row| row.map(|k| k.0));
-        let damping = s.damping.map_or([[0.0; 2]; 2], |c| c.0.map(|row| row.map(|c| c.0)));
-        for (key, law) in [("stiffness", &stiffness), ("damping", &damping)] {
-            for (place, value) in law.iter().flatten().enumerate() {
-                let entry = format!("{path}.{key}.{}.{}", place / 2, place % 2);
-                let entry = if self.is_written(&entry) { entry } else { format!("{path}.{key}") };
-                self.within(&entry, value.abs(), 0.0, LARGEST_SI)?;
-            }
-        }
-        let off = (stiffness[0][1] + stiffness[1][0]) / 2.0;
-        let (a, b) = (stiffness[0][0], stiffness[1][1]);
-        if a < 0.0 || b < 0.0 || off * off > a * b * (1.0 + 1e-12) {
-            return self.fault(
-                &format!("{path}.stiffness"),
-                "the symmetric part of the bearing's stiffness is not positive: the shaft would be statically unstable",
-                "kyy >= 0, kzz >= 0 and ((kyz + kzy)/2)^2 <= kyy kzz",
-            );
-        }
-        Ok(Bearing { node, stiffness, damping, acts_on, path: path.to_owned() })
     }
 
     pub(super) fn fix(&self, path: &str, names: &[String], field: &Field) -> Result<Vec<(usize, usize)>> {

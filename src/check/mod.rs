@@ -1,12 +1,14 @@
 //! From a case as written to a checked [`Model`]: every rule of the case format, with its remedy.
 
 mod attachments;
+mod bearings;
 mod body;
 mod campbell;
 pub mod element_choice;
 mod loads;
 pub mod memory;
 mod mesh;
+mod response;
 mod scene;
 mod section;
 mod spinup;
@@ -16,11 +18,12 @@ use crate::case::{self, Case, LoadedCase, nearest};
 use crate::check::element_choice::{Choice, Demands, choose, level};
 use crate::check::memory::{memory, mesh_memory};
 use crate::check::mesh::{Mesh, SHORTEST_SEGMENT_PER_LENGTH, SegmentPlan};
+use crate::check::response::Attached;
 use crate::check::steps::FINEST;
 use crate::error::Result;
 use crate::instructions::Instructions;
 use crate::model::ElementChoice;
-use crate::model::{ElementKind, Hub, Law, Material, Model, Names};
+use crate::model::{Element, ElementKind, Hub, Law, Material, Model, Names};
 use crate::section::basis::SectionBasis;
 use crate::section::{Section, Shape};
 
@@ -46,7 +49,7 @@ impl Model {
         let sections: Vec<Section> = kept.into_iter().map(|i| sections[i]).collect();
         let kept = used(plans.iter_mut().map(|p| &mut p.material).collect());
         names.materials = names_of(&material_names, &kept);
-        let materials = kept.into_iter().map(|i| materials[i]).collect();
+        let materials: Vec<Material> = kept.into_iter().map(|i| materials[i]).collect();
         let length: f64 = plans.iter().map(|p| p.length).sum();
         let places = input.fixed_positions(length)?;
         let mesh = input.mesh(&plans, &sections, &places, length)?;
@@ -55,7 +58,23 @@ impl Model {
         let (loads, tractions) = input.loads(&mesh, &sections)?;
         let probes = input.probes(&mesh, length, &sections)?;
         input.expected()?;
+        let operating_speed = input.operating_speed()?;
+        let weighed = |e: &Element| element_mass(&materials, &sections, e);
+        let attached = Attached {
+            length,
+            mass: mesh.elements.iter().map(weighed).sum::<f64>() + disks.iter().map(|d| d.mass).sum::<f64>(),
+            nodes: &mesh.nodes,
+            disks: &disks,
+            bearings: &bearings.list,
+        };
+        let unbalance = input.unbalance(&attached, operating_speed)?;
+        let harmonic = input.harmonic(&attached)?;
         let model = Self {
+            operating_speed,
+            clearances: input.clearances(length)?,
+            unbalance,
+            harmonic,
+            map: input.map(length, operating_speed)?,
             reference_length: sections.iter().map(Section::outer_size).fold(0.0, f64::max),
             length,
             gravity: input.gravity()?,
@@ -75,7 +94,8 @@ impl Model {
             elements: mesh.elements,
             nodes: mesh.nodes,
             disks,
-            bearings,
+            bearings: bearings.list,
+            housings: bearings.housings,
             supports,
             probes,
         };
@@ -518,6 +538,11 @@ fn snapped(mesh: &Mesh, places: &[(String, f64)], length: f64) -> Vec<String> {
         })
     };
     places.iter().filter_map(moved).collect()
+}
+
+/// Mass of an element, kg.
+fn element_mass(materials: &[Material], sections: &[Section], element: &Element) -> f64 {
+    materials[element.material].density * sections[element.section].area() * element.length
 }
 
 /// What is referred to, in order of first use; the references are renumbered to that order.

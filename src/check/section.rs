@@ -24,6 +24,7 @@ impl Input<'_> {
                 youngs_modulus: self.positive(&at("E"), m.youngs_modulus.0)?,
                 poisson_ratio: m.nu,
                 density: self.positive(&at("rho"), m.rho.0)?,
+                loss_factor: self.within(&at("damping.loss_factor"), m.damping.loss_factor, 0.0, 1.0)?,
                 stiffness_damping: self.not_negative(&at("damping.stiffness"), m.damping.stiffness.0)?,
                 mass_damping: self.not_negative(&at("damping.mass"), m.damping.mass.0)?,
             });

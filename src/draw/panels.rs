@@ -62,6 +62,8 @@ pub struct Panel {
     pub marks: Vec<Mark>,
     /// The same scale in both directions.
     pub equal: bool,
+    /// Both axes logarithmic: places are decimal logarithms of values in the units of the axes.
+    pub decades: bool,
     /// Words above the frame.
     pub title: String,
     /// Stretches of the abscissa with a tinted background.
@@ -134,7 +136,12 @@ impl Panel {
         let (across, up) = self.scales(frame);
         pen.group("panel", &self.title, |pen| {
             self.paint_bands(pen, frame, across);
-            axes::grid(pen, frame, across, up);
+            if self.decades {
+                axes::decades(pen, frame, Side::Bottom, across, self.across.0, self.across.1);
+                axes::decades(pen, frame, Side::Left, up, self.up.0, self.up.1);
+            } else {
+                axes::grid(pen, frame, across, up);
+            }
             for curve in &self.curves {
                 pen.group("curve", &curve.name, |pen| paint_curve(pen, curve, frame, across, up));
             }
@@ -144,8 +151,10 @@ impl Panel {
             }
             pen.group("axes", "", |pen| {
                 pen.frame(frame, Stroke::solid(palette::BLACK, 1.0));
-                axes::axis(pen, Side::Bottom, frame.bottom, across, self.across.0, self.across.1);
-                axes::axis(pen, Side::Left, frame.left, up, self.up.0, self.up.1);
+                if !self.decades {
+                    axes::axis(pen, Side::Bottom, frame.bottom, across, self.across.0, self.across.1);
+                    axes::axis(pen, Side::Left, frame.left, up, self.up.0, self.up.1);
+                }
             });
             self.paint_legend(pen, room.top, frame);
         });
@@ -182,6 +191,7 @@ impl Panel {
     /// Name and place of a mark.
     fn mark_words(&self, mark: &Mark) -> String {
         let part = |(quantity, unit): (&str, &str), value: f64| {
+            let value = if self.decades { 10f64.powf(value) } else { value };
             format!("{quantity} {} {unit}", text::significant(value, 5))
         };
         format!("{}: {}, {}", mark.name, part(self.across, mark.at.0), part(self.up, mark.at.1))

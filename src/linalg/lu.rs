@@ -1,7 +1,6 @@
 //! Sparse systems without symmetry: matrices summed from entries, and their LU factorisation.
 
 use crate::error::{Error, Result};
-use crate::linalg::sparse::Sparse;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::Perm;
 use faer::prelude::Solve;
@@ -11,6 +10,8 @@ use faer::sparse::linalg::lu::simplicial::{
 };
 use faer::sparse::linalg::solvers::Lu;
 use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat};
+use faer::traits::ComplexField;
+use faer::traits::ext::ComplexFieldExt;
 use faer::{Conj, Mat, Par};
 
 /// Entries `(row, column, value)` of a square matrix, in any order; equal places are summed.
@@ -160,18 +161,18 @@ impl LuSolver {
     }
 }
 
-/// The LU factorisation of one sparse matrix.
-pub struct SparseLu {
-    factor: Lu<usize, f64>,
+/// The LU factorisation of one sparse matrix, real or complex.
+pub struct SparseLu<T> {
+    factor: Lu<usize, T>,
     size: usize,
 }
 
-impl SparseLu {
+impl<T: ComplexField<Real = f64>> SparseLu<T> {
     /// Factorises a matrix.
     ///
     /// # Errors
     /// A singular matrix, or lack of memory.
-    pub fn new(a: &Sparse) -> Result<Self> {
+    pub fn new(a: &SparseColMat<usize, T>) -> Result<Self> {
         let size = a.ncols();
         let factor = a.sp_lu().map_err(|e| failed(format!("factorisation of {size} unknowns: {e:?}")))?;
         Ok(Self { factor, size })
@@ -181,18 +182,19 @@ impl SparseLu {
     ///
     /// # Errors
     /// A singular matrix.
-    pub fn solve(&self, b: &[f64]) -> Result<Vec<f64>> {
-        let x = self.solve_columns(Mat::from_fn(b.len(), 1, |i, _| b[i]))?;
-        Ok(x.col(0).iter().copied().collect())
+    pub fn solve(&self, b: &[T]) -> Result<Vec<T>> {
+        let x = self.solve_columns(Mat::from_fn(b.len(), 1, |i, _| b[i].clone()))?;
+        Ok(x.col(0).iter().cloned().collect())
     }
 
     /// Solves for several right sides: `A^-1 B`.
     ///
     /// # Errors
     /// A singular matrix.
-    pub fn solve_columns(&self, mut b: Mat<f64>) -> Result<Mat<f64>> {
+    pub fn solve_columns(&self, mut b: Mat<T>) -> Result<Mat<T>> {
         self.factor.solve_in_place(&mut b);
-        if b.col_iter().any(|column| column.iter().any(|v| !v.is_finite())) {
+        let finite = |v: &T| v.real().is_finite() && v.imag().is_finite();
+        if b.col_iter().any(|column| column.iter().any(|v| !finite(v))) {
             return Err(failed(format!("{} unknowns: the matrix is singular", self.size)));
         }
         Ok(b)

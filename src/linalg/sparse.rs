@@ -4,11 +4,13 @@ use crate::instructions::Instructions;
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use faer::traits::ComplexField;
 use faer::traits::ext::ComplexFieldExt;
-use faer::{Mat, MatRef};
+use faer::{Mat, MatRef, c64};
 use pulp::{Arch, NullaryFnOnce};
 
 /// Real sparse matrix, compressed by columns, rows ascending.
 pub type Sparse = SparseColMat<usize, f64>;
+/// The same with complex values.
+pub type ComplexSparse = SparseColMat<usize, c64>;
 
 /// Columns that are multiplied together, one row of them a cache line.
 const LANES: usize = 8;

@@ -1,6 +1,7 @@
 //! What is attached to a shaft, checked: disks, bearings, supports, loads, probes.
 
 use crate::case::{ActsOn, Hub};
+use crate::model::{BearingTable, Coefficients};
 use crate::section::Surface;
 
 impl Hub {
@@ -60,17 +61,89 @@ impl ActsOn {
     }
 }
 
-/// A linear spring-damper bearing at a node, in the fixed y, z directions.
+/// What of a section a bearing resists.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Resists {
+    /// Mean displacement along y and z, m.
+    Lateral,
+    /// Mean turn about y and z, rad.
+    Tilt,
+    /// Mean displacement along x, m; the first entry of a law.
+    Axial,
+    /// Mean turn about x, rad; the first entry of a law.
+    Torsion,
+}
+
+/// What the springs of a bearing are fastened to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Between {
+    /// The shaft and the ground.
+    ShaftAndGround,
+    /// The shaft and a housing, by its index in [`Model::housings`](super::Model::housings).
+    ShaftAndHousing(usize),
+    /// A housing and the ground.
+    HousingAndGround(usize),
+}
+
+/// Linear springs, dampers and added mass at a node, in the fixed directions y and z:
+/// `f = -(K u + C u' + M u'')` for what is resisted, u.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bearing {
-    /// Node it holds.
+    /// Node it holds; of a housing's own springs the node at which the housing stands.
     pub node: usize,
-    /// `[[kyy, kyz], [kzy, kzz]]`, N/m; the symmetric part is positive semi-definite.
+    /// What they are fastened to.
+    pub between: Between,
+    /// What they resist.
+    pub resists: Resists,
+    /// `[[kyy, kyz], [kzy, kzz]]`, N/m (N m/rad for turns).
     pub stiffness: [[f64; 2]; 2],
-    /// `[[cyy, cyz], [czy, czz]]`, N s/m.
+    /// `[[cyy, cyz], [czy, czz]]`, N s/m (N m s/rad for turns).
     pub damping: [[f64; 2]; 2],
+    /// `[[myy, myz], [myz, mzz]]`, kg, symmetric and not negative.
+    pub mass: [[f64; 2]; 2],
+    /// The same over speed and whirl frequency, where they change; the values above are then those at standstill.
+    pub table: Option<BearingTable>,
     /// What it holds.
     pub acts_on: ActsOn,
+    /// True where it carries no static load.
+    pub seal: bool,
+    /// JSON path, for reports.
+    pub path: String,
+}
+
+impl Bearing {
+    /// True when what it resists has two directions across the axis, which turn with a turning frame.
+    pub fn is_across(&self) -> bool {
+        matches!(self.resists, Resists::Lateral | Resists::Tilt)
+    }
+
+    /// True for springs of the shaft itself, not of a housing.
+    pub fn holds_shaft(&self) -> bool {
+        !matches!(self.between, Between::HousingAndGround(_))
+    }
+
+    /// True when the stiffness is not symmetric.
+    pub fn couples(&self) -> bool {
+        self.stiffness[0][1] != self.stiffness[1][0]
+    }
+
+    /// Its law at standstill.
+    pub fn at_rest(&self) -> Coefficients {
+        Coefficients { stiffness: self.stiffness, damping: self.damping, mass: self.mass }
+    }
+
+    /// True when it damps.
+    pub fn damps(&self) -> bool {
+        self.damping != [[0.0; 2]; 2]
+    }
+}
+
+/// A body without extent between bearings and the ground, which moves along y and z. Its springs and its mass are those of a
+/// [`Bearing`] between it and the ground.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Housing {
+    /// Node among whose coordinates its displacement stands.
+    pub node: usize,
     /// JSON path, for reports.
     pub path: String,
 }

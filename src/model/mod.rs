@@ -2,10 +2,14 @@
 //! Every number is finite, SI, and in its allowed range; every position is a node.
 
 mod attachments;
+mod bearing_table;
+mod response;
 pub mod scene;
 mod settings;
 
 pub use attachments::*;
+pub use bearing_table::{BearingTable, Coefficients};
+pub use response::*;
 pub use settings::*;
 
 pub use crate::case::{ActsOn, Form, Frame, Gyroscopic, Hub, RampShape, WhirlFrame};
@@ -27,6 +31,8 @@ pub struct Material {
     pub stiffness_damping: f64,
     /// External damping alpha: force `-alpha M v`, 1/s.
     pub mass_damping: f64,
+    /// Loss factor eta of the turning material.
+    pub loss_factor: f64,
 }
 
 /// Elastic law of an element.
@@ -199,8 +205,10 @@ pub struct Model {
     pub nodes: Vec<Node>,
     /// Rigid disks at nodes.
     pub disks: Vec<Disk>,
-    /// Linear bearings at nodes.
+    /// Linear bearings at nodes, and the springs of housings.
     pub bearings: Vec<Bearing>,
+    /// Housings between bearings and the ground.
+    pub housings: Vec<Housing>,
     /// Supports that hold components of the motion.
     pub supports: Vec<Support>,
     /// Places where displacements and stresses are read.
@@ -221,6 +229,16 @@ pub struct Model {
     pub campbell: Option<CampbellSettings>,
     /// Settings of the static analysis.
     pub statics: StaticSettings,
+    /// Speeds at which the machine runs, when the case says so.
+    pub operating_speed: Option<OperatingSpeed>,
+    /// Gaps that amplitudes are held against.
+    pub clearances: Vec<Clearance>,
+    /// Unbalance, when the case has one.
+    pub unbalance: Option<UnbalanceSettings>,
+    /// Harmonic excitation, when the case has one.
+    pub harmonic: Option<HarmonicSettings>,
+    /// Map of critical speeds, when the case has one.
+    pub map: Option<MapSettings>,
     /// Spin-up, when the case has one.
     pub spinup: Option<SpinupSettings>,
 }
@@ -244,6 +262,37 @@ impl Model {
             path: "spinup.driven_at".to_owned(),
         }));
         driven
+    }
+
+    /// The same shaft without its seals, which carry no static load.
+    pub fn without_seals(&self) -> Self {
+        let bearings = self.bearings.iter().filter(|b| !b.seal).cloned().collect();
+        Self { bearings, ..self.clone() }
+    }
+
+    /// The same shaft with one stiffness to the ground, in all directions across the axis, in place of the lateral springs of the
+    /// bearings with these paths; housings in which no bearing stands any more are left out.
+    pub fn on_stiffness(&self, paths: &[String], stiffness: f64) -> Self {
+        let mut model = self.clone();
+        for bearing in model.bearings.iter_mut().filter(|b| b.resists == Resists::Lateral) {
+            if paths.contains(&bearing.path) && bearing.holds_shaft() {
+                bearing.between = Between::ShaftAndGround;
+                bearing.stiffness = [[stiffness, 0.0], [0.0, stiffness]];
+                (bearing.damping, bearing.table) = ([[0.0; 2]; 2], None);
+            }
+        }
+        let used = |h: usize| model.bearings.iter().any(|b| b.between == Between::ShaftAndHousing(h));
+        let kept: Vec<usize> = (0..model.housings.len()).filter(|h| used(*h)).collect();
+        model.housings = kept.iter().map(|&h| self.housings[h].clone()).collect();
+        model.bearings.retain_mut(|bearing| {
+            let (Between::ShaftAndHousing(h) | Between::HousingAndGround(h)) = &mut bearing.between else {
+                return true;
+            };
+            let place = kept.iter().position(|k| k == h);
+            *h = place.unwrap_or(0);
+            place.is_some()
+        });
+        model
     }
 
     /// Largest estimate of the relative error that the functions of automatically chosen elements leave.

@@ -8,6 +8,7 @@ use crate::draw::axes::{self, Scale, Side};
 use crate::draw::clip::{self, Point, Rect};
 use crate::draw::labels::{self, Obstacles};
 use crate::draw::palette::{self, Color, Font, LineStyle, Marker, Stroke};
+use crate::draw::panels::{Curve, Mark, Panel, STROKES, Surroundings, figure};
 use crate::draw::pen::Pen;
 use crate::draw::sheet::{self, FooterWords, Sample};
 use crate::draw::text::{self, Anchor};
@@ -15,7 +16,8 @@ use crate::error::Result;
 use crate::plot::campbell::curves::{
     BranchCurve, CurveMark, Order, RPM, Sampled, marks, orders, speed_range, top_frequency,
 };
-use crate::results::{Campbell, Figures, ModeKind, Report, Whirl};
+use crate::plot::response::{operation, operation_words};
+use crate::results::{Branch, Campbell, Figures, ModeKind, Report, Whirl};
 
 const WIDTH: f64 = 1120.0;
 const HEIGHT: f64 = 780.0;
@@ -36,12 +38,64 @@ const LONGEST_NAME: f64 = 80.0;
 const ORDER_STROKE: Stroke = Stroke { color: palette::GREY, width: 1.2, line: LineStyle::DashDot };
 const LEADER: Stroke = Stroke::solid(palette::GREY, 0.9);
 const RANGE: Color = palette::PALE_RED;
+const OPERATION_SAMPLE: Stroke = Stroke::solid(palette::PALE_GREY, 11.0);
 const RANGE_SAMPLE: Stroke = Stroke::solid(RANGE, 11.0);
 const BAND: Stroke = Stroke::solid(palette::LIGHT_RED, 9.0);
 
 /// The diagram as SVG text; the same report always gives the same text.
 pub fn svg(report: &Report<Campbell>) -> Result<Figures> {
-    sheet::figure(WIDTH, HEIGHT, |pen| paint(pen, report)).map(|svg| vec![("campbell.svg".to_owned(), svg)])
+    let diagram = sheet::figure(WIDTH, HEIGHT, |pen| paint(pen, report))?;
+    let mut figures = vec![("campbell.svg".to_owned(), diagram)];
+    let decays = |b: &Branch| b.log_decrement.iter().flatten().any(|d| *d != 0.0);
+    if report.results.branches.iter().any(decays) {
+        figures.push(("campbell-decrement.svg".to_owned(), decrement(report)?));
+    }
+    Ok(figures)
+}
+
+/// Log decrement over speed, with the lines 0.1 and 0 and the speed at which a motion begins to grow.
+fn decrement(report: &Report<Campbell>) -> Result<String> {
+    let results = &report.results;
+    let speeds: Vec<f64> = results.speeds_rad_s.iter().map(|s| s / RPM).collect();
+    let mut bending: Vec<&Branch> = results.branches.iter().filter(|b| b.kind == ModeKind::Bending).collect();
+    // what decays least is what matters
+    let least = |b: &Branch| b.log_decrement.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+    bending.sort_by(|a, b| least(a).total_cmp(&least(b)));
+    let mut curves: Vec<Curve> = bending
+        .iter()
+        .take(STROKES.len())
+        .enumerate()
+        .map(|(k, b)| {
+            let at = |d: &Option<f64>| d.unwrap_or(f64::NAN);
+            let points = speeds.iter().copied().zip(b.log_decrement.iter().map(at)).collect();
+            Curve { name: b.name.clone(), stroke: STROKES[k], points }
+        })
+        .collect();
+    let (low, high) = speed_range(&results.speeds_rad_s);
+    let line = Stroke { color: palette::GREY, width: 1.2, line: LineStyle::Dashed };
+    for (name, value) in [("0.1 and 0", 0.1), ("", 0.0)] {
+        curves.push(Curve { name: name.to_owned(), stroke: line, points: vec![(low, value), (high, value)] });
+    }
+    let threshold = results.stability_threshold_rad_s.map(|speed| Mark {
+        name: "a motion begins to grow".to_owned(),
+        marker: Marker::Ring,
+        color: palette::VERMILLION,
+        at: (speed / RPM, 0.0),
+    });
+    let panel = Panel {
+        across: ("Spin speed", "rpm"),
+        up: ("Log decrement", "-"),
+        curves,
+        marks: threshold.into_iter().collect(),
+        bands: results.operating_speed.iter().map(operation).collect(),
+        height: 420.0,
+        ..Panel::default()
+    };
+    let left = bending.len().saturating_sub(STROKES.len());
+    let more = if left > 0 { format!(" {left} more bending motions decay faster.") } else { String::new() };
+    let remarks =
+        format!("The bending motions that decay least.{more}{}", operation_words(results.operating_speed));
+    figure(&Surroundings::new(report, "Decay over speed", remarks), &[panel], 1)
 }
 
 fn paint(pen: &mut Pen, report: &Report<Campbell>) {
@@ -53,6 +107,7 @@ fn paint(pen: &mut Pen, report: &Report<Campbell>) {
     let below_title = sheet::below_title(WIDTH, &title);
     let diagram = Diagram::new(&report.results, below_title);
     let mut obstacles = diagram.obstacles();
+    diagram.paint_operation(pen);
     diagram.paint_ranges(pen);
     diagram.paint_axes(pen);
     diagram.paint_orders(pen, &mut obstacles);
@@ -79,6 +134,8 @@ struct Diagram<'a> {
     marks: Vec<CurveMark<'a>>,
     /// Unstable ranges, rpm.
     ranges: Vec<(f64, f64)>,
+    /// Speeds of operation, rpm.
+    operation: Option<(f64, f64)>,
     orders: Vec<Order>,
     frame: Rect,
     /// Right end of the gutter with the names, where the right axis stands.
@@ -107,7 +164,8 @@ impl<'a> Diagram<'a> {
         let x = Scale { low, high, start: frame.left, end: frame.right };
         let y = Scale { low: 0.0, high: top, start: frame.bottom, end: frame.top };
         let ranges = results.unstable_ranges.iter().map(|r| (r.from_rpm, r.to_rpm)).collect();
-        Self { curves, marks, ranges, orders, frame, spine, x, y }
+        let operation = results.operating_speed.map(|o| operation(&o));
+        Self { curves, marks, ranges, operation, orders, frame, spine, x, y }
     }
 
     fn point(&self, rpm: f64, hz: f64) -> Point {
@@ -141,6 +199,18 @@ impl<'a> Diagram<'a> {
             obstacles.add_line(&part);
         }
         obstacles
+    }
+
+    /// Shades the speeds of operation over the whole height.
+    fn paint_operation(&self, pen: &mut Pen) {
+        let Some((from, to)) = self.operation else { return };
+        let frame = self.frame;
+        let [left, right] = [from, to].map(|rpm| self.x.pixel(rpm).clamp(frame.left, frame.right));
+        if left < right {
+            let words = format!("operation from {from:.0} to {to:.0} rpm");
+            let place = Rect { left, right, top: frame.top, bottom: frame.bottom };
+            pen.group("operation", &words, |pen| pen.fill_rect(place, palette::PALE_GREY));
+        }
     }
 
     /// Shades the unstable ranges over the whole height, the narrowest still visible.
@@ -360,6 +430,9 @@ impl<'a> Diagram<'a> {
 
     fn legend(&self) -> Vec<(Sample, String)> {
         let mut entries = Vec::new();
+        if self.operation.is_some() {
+            entries.push((Sample::Stroke(OPERATION_SAMPLE), "operating speed".to_owned()));
+        }
         for (whirl, words) in [
             (Whirl::Forward, "forward whirl"),
             (Whirl::Backward, "backward whirl"),

@@ -4,8 +4,12 @@
 pub mod campbell;
 pub mod contact;
 mod forces;
+pub mod harmonic;
+pub mod map;
 pub mod modes;
+mod response;
 mod section;
 pub mod spinup;
 pub mod statics;
 pub mod tradeoff;
+pub mod unbalance;

@@ -18,8 +18,11 @@ macro_rules! none {
 none!(
     campbell: crate::results::Campbell,
     contact: crate::results::Contact,
+    harmonic: crate::results::HarmonicResponse,
+    map: crate::results::CriticalMap,
     modes: crate::results::Modes,
     spinup: crate::results::Spinup,
     statics: crate::results::Static,
-    tradeoff: crate::results::Tradeoff
+    tradeoff: crate::results::Tradeoff,
+    unbalance: crate::results::UnbalanceResponse
 );

@@ -18,6 +18,12 @@ pub enum Modelled {
     Disks(Vec<(usize, &'static str)>),
     /// Number of bearings.
     Bearings(usize),
+    /// Number of housings.
+    Housings(usize),
+    /// Number of masses beside the axis.
+    UnbalanceMasses(usize),
+    /// Number of excitations at a frequency of their own.
+    Excitations(usize),
     /// Rule by which the internal forces are integrated.
     InternalForces(String),
     /// Gravity acts.
@@ -191,6 +197,10 @@ impl Display for Modelled {
                 write!(f, "disks ({})", hubs.join(", "))
             }
             Self::Bearings(count) => write!(f, "{count} linear bearings"),
+            Self::UnbalanceMasses(count) => write!(f, "unbalance at {count} places"),
+            Self::Excitations(count) => write!(f, "{count} harmonic excitations"),
+            Self::Housings(1) => f.write_str("1 housing with its mass"),
+            Self::Housings(count) => write!(f, "{count} housings with their masses"),
             Self::InternalForces(rule) => write!(f, "internal forces integrated: {rule}"),
             Self::StaticLoads { points, surfaces, moving: true } => {
                 write!(f, "{points} point loads and {surfaces} on surfaces, where the shaft is")

@@ -4,7 +4,9 @@
 mod contact;
 mod effects;
 mod forces;
+mod map;
 mod matrices;
+mod response;
 mod rub_contact;
 mod spinup;
 mod tradeoff;
@@ -12,7 +14,9 @@ mod tradeoff;
 pub use contact::*;
 pub use effects::*;
 pub use forces::*;
+pub use map::*;
 pub use matrices::*;
+pub use response::*;
 pub use rub_contact::*;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -240,6 +244,9 @@ pub struct Campbell {
     pub critical_speeds: Vec<CriticalSpeed>,
     /// Excitation orders drawn besides the speed itself, e.g. 2 for 2x.
     pub orders: Vec<f64>,
+    /// Speeds at which the machine runs, where the case says so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub operating_speed: Option<OperatingRange>,
     /// Speeds at which a motion grows.
     pub unstable_ranges: Vec<UnstableRange>,
     /// Lowest speed at which a motion grows; null if none does within the sweep, or if rounding hides it.

@@ -7,9 +7,12 @@
 mod campbell;
 mod check;
 mod contact;
+mod harmonic;
+mod map;
 mod modes;
 mod spinup;
 mod statics;
+mod unbalance;
 
 pub use crate::case::Analysis;
 pub(crate) use contact::scene_without_overlap;
@@ -54,6 +57,9 @@ pub fn entry(analysis: Analysis) -> &'static Entry {
         Analysis::Check => &check::ENTRY,
         Analysis::Modes => &modes::ENTRY,
         Analysis::Campbell => &campbell::ENTRY,
+        Analysis::Unbalance => &unbalance::ENTRY,
+        Analysis::Harmonic => &harmonic::ENTRY,
+        Analysis::Map => &map::ENTRY,
         Analysis::Static => &statics::ENTRY,
         Analysis::Spinup => &spinup::ENTRY,
         Analysis::Contact => &contact::ENTRY,

@@ -3,13 +3,14 @@
 //! `K x = w^2 M x` by block Lanczos on the flexibility; motions without strain are found from the
 //! constraints, not from small numbers, and kept apart.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Refusal, Result};
 use crate::linalg::dense::{cholesky, over_lower, self_adjoint};
 use crate::linalg::factor::Ldlt;
 use crate::linalg::gmres::gmres;
 use crate::linalg::lanczos::{self, Pencil};
 use crate::linalg::lu::SparseLu;
 use crate::linalg::sparse::{Sparse, absolute_product_norm, combine, multiply};
+use crate::model::Bearing;
 use crate::shaft::assembly::{Assembly, RigidMotion};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef};
@@ -87,6 +88,7 @@ impl Flexibility {
         let springs = assembly.springs();
         let forces: Vec<Vec<f64>> = springs.iter().map(|s| assembly.force(&s.row)).collect();
         let mut soft: Vec<usize> = (0..springs.len())
+            .filter(|&i| springs[i].stiffness > 0.0)
             .filter(|&i| springs[i].stiffness < SOFT * local_stiffness(stiffness, &forces[i]))
             .collect();
         loop {
@@ -372,6 +374,7 @@ impl Spectrum {
         let (mass, stiffness) = (assembly.mass(), assembly.stiffness());
         let rigid_motions = assembly.rigid_motions().0;
         let flexibility = Flexibility::at_rest(assembly, &stiffness, &mass)?;
+        refuse_unstable(assembly, &flexibility)?;
         let (size, n_rigid) = (assembly.size(), rigid_motions.len());
         let pencil = Pencil {
             size,
@@ -481,6 +484,28 @@ fn align(mass: &Sparse, mirror: &[[bool; 2]], values: &[f64], vectors: &mut Mat<
         }
     }
     Ok(())
+}
+
+/// Refuses springs of negative stiffness that the rest of the rotor does not hold.
+fn refuse_unstable(assembly: &Assembly<'_>, flexibility: &Flexibility) -> Result<()> {
+    let springs = assembly.model.bearings.iter();
+    let least = |b: &&Bearing| {
+        let [[yy, yz], [zy, zz]] = b.stiffness;
+        let off = (yz + zy) / 2.0;
+        (yy + zz) / 2.0 - ((yy - zz) / 2.0).hypot(off)
+    };
+    let negative = springs
+        .filter(|b| b.is_across() || b.stiffness[0][0] < 0.0)
+        .min_by(|a, b| least(a).total_cmp(&least(b)));
+    match negative.filter(|b| least(b) < 0.0 && flexibility.unstable_directions() > 0) {
+        Some(bearing) => Err(Refusal::at(
+            format!("{}.stiffness", bearing.path),
+            "the negative stiffness outweighs what holds the shaft: the rotor is statically unstable",
+            "a rotor whose stiffness as a whole is positive: stiffer bearings, or less negative stiffness",
+        )
+        .into()),
+        None => Ok(()),
+    }
 }
 
 /// Scales every column to `x^T M x = 1`, the first of its largest entries positive.

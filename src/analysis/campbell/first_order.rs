@@ -6,6 +6,7 @@
 //! matrix of an undamped rotor is skew and its eigenvectors orthonormal. In the rotating frame K is indefinite
 //! above a critical speed; there S holds the frequencies at rest.
 
+use crate::analysis::campbell::changing_bearings::{Change, add};
 use crate::analysis::campbell::reduced_basis::Reduced;
 use crate::analysis::campbell::spin_stiffening::burst;
 use crate::error::Result;
@@ -20,6 +21,10 @@ const SHARPENING: usize = 5;
 pub struct FirstOrderForm<'a> {
     reduced: &'a Reduced,
     speed: f64,
+    /// The motion for which the laws hold.
+    lambda: c64,
+    /// What changing bearings add: their rows, turned, and their laws at this speed.
+    bearings: Vec<(Mat<f64>, Change)>,
     /// `[N, Q]`, orthonormal; `None` for the identity.
     turn: Option<Mat<f64>>,
     /// `Q^T K Q`.
@@ -31,11 +36,11 @@ pub struct FirstOrderForm<'a> {
 }
 
 impl<'a> FirstOrderForm<'a> {
-    /// Turns the coordinates.
+    /// Turns the coordinates; bearings have the law that they have on a motion `exp(lambda t)`.
     ///
     /// # Errors
     /// A stiffness that is not positive in the stationary frame: the shaft bursts.
-    pub fn new(reduced: &'a Reduced, speed: f64) -> Result<Self> {
+    pub fn new(reduced: &'a Reduced, speed: f64, lambda: c64) -> Result<Self> {
         let (n, r) = (reduced.size(), reduced.n_rigid);
         let w = &reduced.frequencies;
         let weights = reduced.weights(speed);
@@ -47,11 +52,23 @@ impl<'a> FirstOrderForm<'a> {
         if let Some(turn) = &turn {
             stiffness = turn.transpose() * stiffness * turn;
         }
+        let bearings: Vec<(Mat<f64>, Change)> = reduced
+            .changing
+            .iter()
+            .map(|b| (turn.as_ref().map_or_else(|| b.rows.clone(), |t| b.turned(t)), b.change(speed, lambda)))
+            .collect();
+        bearings.iter().for_each(|(rows, change)| add(rows, &change.stiffness, &mut stiffness));
         let stiffness =
             Mat::from_fn(n - r, n - r, |i, j| (stiffness[(i + r, j + r)] + stiffness[(j + r, i + r)]) / 2.0);
         let diagonal = || Mat::from_fn(n - r, n - r, |i, j| if i == j { w[i + r] } else { 0.0 });
-        let (root, factored) = if reduced.varying.is_empty() || speed == 0.0 {
+        let changed = bearings.iter().any(|(_, change)| change.stiffness != [[0.0; 2]; 2]);
+        let (root, factored) = if (reduced.varying.is_empty() || speed == 0.0) && !changed {
             (diagonal(), true)
+        } else if changed {
+            // a bearing may have so little stiffness left that the shaft is not held
+            cholesky(stiffness.as_ref())
+                .filter(|_| !reduced.rotating)
+                .map_or((diagonal(), false), |root| (root, true))
         } else if reduced.rotating {
             (diagonal(), false)
         } else {
@@ -59,7 +76,18 @@ impl<'a> FirstOrderForm<'a> {
                 .ok_or_else(|| burst(speed, "K_T - Omega^2 N, which is no longer positive definite"))?;
             (root, true)
         };
-        Ok(Self { reduced, speed, turn, stiffness, root, factored })
+        Ok(Self { reduced, speed, lambda, bearings, turn, stiffness, root, factored })
+    }
+
+    /// True when nothing takes or feeds energy.
+    pub fn is_conservative(&self) -> bool {
+        let reduced = self.reduced;
+        let none = [[0.0; 2]; 2];
+        reduced.damping.is_none()
+            && reduced.cross_coupling.is_none()
+            && reduced.circulatory.is_none()
+            && reduced.hysteresis.is_none()
+            && self.bearings.iter().all(|(_, change)| change.damping == none && change.turning == none)
     }
 
     /// True when the state matrix of an undamped rotor is skew.
@@ -72,8 +100,12 @@ impl<'a> FirstOrderForm<'a> {
         self.turn.as_ref().map_or_else(|| a.clone(), |t| t.transpose() * a * t)
     }
 
-    /// Sum of operators with factors, turned.
-    fn sum(&self, parts: &[(f64, &Option<Mat<f64>>)]) -> Option<Mat<f64>> {
+    /// Sum of operators with factors, turned, and of a law of the changing bearings.
+    fn sum(
+        &self,
+        parts: &[(f64, &Option<Mat<f64>>)],
+        law: Option<fn(&Change) -> &[[f64; 2]; 2]>,
+    ) -> Option<Mat<f64>> {
         let mut sum: Option<Mat<f64>> = None;
         for (factor, part) in parts {
             if let Some(part) = part {
@@ -81,15 +113,21 @@ impl<'a> FirstOrderForm<'a> {
                 sum = Some(sum.map_or_else(|| scaled.clone(), |s| s + &scaled));
             }
         }
-        sum.map(|s| self.turned(&s))
+        let mut sum = sum.map(|s| self.turned(&s));
+        for (rows, law) in
+            law.iter().flat_map(|law| self.bearings.iter().map(|(rows, change)| (rows, law(change))))
+        {
+            if *law != [[0.0; 2]; 2] {
+                add(rows, law, sum.get_or_insert_with(|| Mat::zeros(rows.nrows(), rows.nrows())));
+            }
+        }
+        sum
     }
 
     /// State matrix for `(v, s)`: `v' = -(C + Omega G) v - (K + X + Omega H) q`, `s' = S^T q'`.
     pub fn state_matrix(&self) -> Mat<f64> {
         let (n, r) = (self.reduced.size(), self.reduced.n_rigid);
-        let reduced = self.reduced;
-        let on_velocity = self.sum(&[(1.0, &reduced.damping), (self.speed, &reduced.gyroscopic)]);
-        let turning = self.sum(&[(1.0, &reduced.cross_coupling), (self.speed, &reduced.circulatory)]);
+        let [on_velocity, turning] = self.forms();
         let mut force = if self.factored { self.root.clone() } else { self.stiffness.clone() };
         if !self.factored {
             force = over_lower(&force, self.root.as_ref());
@@ -118,7 +156,7 @@ impl<'a> FirstOrderForm<'a> {
         };
         let mass: f64 = v.iter().map(|v| v.norm_sqr()).sum();
         let stiffness = form(&self.stiffness, &v[r..]).re;
-        let gyroscopic = self.sum(&[(self.speed, &self.reduced.gyroscopic)]);
+        let gyroscopic = self.sum(&[(self.speed, &self.reduced.gyroscopic)], None);
         let turning = gyroscopic.map_or(0.0, |g| -form(&g, v).im);
         let root = (turning * turning + 4.0 * mass * stiffness).sqrt();
         let candidates = [(turning + root) / (2.0 * mass), (turning - root) / (2.0 * mass)];
@@ -131,9 +169,17 @@ impl<'a> FirstOrderForm<'a> {
     /// The matrices on velocities and (besides K) on displacements, turned.
     pub fn forms(&self) -> [Option<Mat<f64>>; 2] {
         let reduced = self.reduced;
+        let [on_velocity, on_place] =
+            [0, 1].map(|part| reduced.hysteresis.matrix(part, self.speed, self.lambda));
         [
-            self.sum(&[(1.0, &reduced.damping), (self.speed, &reduced.gyroscopic)]),
-            self.sum(&[(1.0, &reduced.cross_coupling), (self.speed, &reduced.circulatory)]),
+            self.sum(
+                &[(1.0, &reduced.damping), (self.speed, &reduced.gyroscopic), (1.0, &on_velocity)],
+                Some(|c| &c.damping),
+            ),
+            self.sum(
+                &[(1.0, &reduced.cross_coupling), (self.speed, &reduced.circulatory), (1.0, &on_place)],
+                Some(|c| &c.turning),
+            ),
         ]
     }
 
@@ -249,6 +295,14 @@ impl<'a> FirstOrderForm<'a> {
         let product: c64 = left.iter().zip(right.iter()).map(|(l, r)| l.conj() * r).sum();
         if product.is_finite() && product.norm() > 0.0 {
             left.iter_mut().for_each(|l| *l /= product.conj());
+        }
+    }
+
+    /// Turns the velocities of a state in the reduced coordinates into those of this form.
+    pub fn turn(&self, state: &mut [c64]) {
+        if let Some(turn) = &self.turn {
+            let turned = product(&turn.transpose().to_owned(), &state[..self.reduced.size()]);
+            state[..turned.len()].copy_from_slice(&turned);
         }
     }
 

@@ -6,8 +6,10 @@
 
 pub mod branch_tracking;
 mod branches;
+pub mod changing_bearings;
 mod crossings;
 pub mod first_order;
+pub mod hysteresis;
 pub mod operators;
 pub mod reduced_basis;
 pub mod remarks;
@@ -27,13 +29,16 @@ use crate::analysis::campbell::spin_stiffening::{Stiffening, burst, burst_of};
 use crate::analysis::campbell::sweep::WhirlSolver;
 use crate::analysis::campbell::synchronous::Criticals;
 use crate::analysis::character::Character;
-use crate::analysis::{Outcome, ignored_input, model_remarks, summary};
+use crate::analysis::{Outcome, ignored_input, model_remarks, operating_range, summary, table_remarks};
 use crate::error::{Refusal, Result};
 use crate::model::{CampbellSettings, DEFAULT_BASIS, Form, Model, SPARE_BASIS, WhirlFrame};
 use crate::results::{Branch, Campbell, Diagnostic, Reduction};
 use crate::shaft::assembly::Assembly;
 use crate::shaft::spectrum::{Flexibility, Spectrum};
+use faer::c64;
 
+/// A motion so slow that it feels the stiffness alone.
+const SLOW: c64 = c64::new(0.0, 0.0);
 /// Share of the basis used for static corrections.
 const STATIC_CORRECTION_SHARE: f64 = 0.4;
 
@@ -55,6 +60,7 @@ pub fn campbell(
     }
     let assembly = Assembly::new(model);
     diagnostics.extend(model_remarks(model, &assembly));
+    table_remarks(model, &settings.speeds, &mut diagnostics);
     let basis = settings.reduction.unwrap_or(DEFAULT_BASIS).max(settings.modes + SPARE_BASIS);
     let corrected = (STATIC_CORRECTION_SHARE * basis as f64).ceil() as usize;
     let spectrum = Spectrum::new(&assembly, basis - corrected)?;
@@ -68,7 +74,9 @@ pub fn campbell(
     let highest = settings.speeds.last().copied().unwrap_or(0.0);
     let operators = operators(&assembly, &spectrum, settings, highest)?;
     let reduced = Reduced::new(&operators, &spectrum, basis - corrected, corrected)?;
-    let criticals = if highest > 0.0 && (operators.is_conservative() || operators.is_rotating()) {
+    // with a law that changes, each speed has a stiffness of its own: critical speeds are crossings of the sweep
+    let solvable = operators.changing.is_empty() && (operators.is_conservative() || operators.is_rotating());
+    let criticals = if highest > 0.0 && solvable {
         Some(synchronous::critical_speeds(&operators, &spectrum, highest)?)
     } else {
         None
@@ -78,6 +86,16 @@ pub fn campbell(
         WhirlSolver { operators: &operators, spectrum: &spectrum, reduced: &reduced, settings, speeds };
 
     let sweep = solver.sweep(progress)?;
+    let unsettled: usize = sweep.iter().map(|s| s.unsettled).sum();
+    if unsettled > 0 {
+        diagnostics.push(Diagnostic::warning(
+            "whirl-unsettled",
+            format!(
+                "for {unsettled} motions over all speeds no frequency was found at which the bearings' coefficients are their \
+                 own: they are told with the coefficients of the spin speed"
+            ),
+        ));
+    }
     let character = Character::new(&assembly)?;
     let branches = solver.track(&sweep, &character, &mut diagnostics)?;
 
@@ -109,6 +127,7 @@ pub fn campbell(
         branches: reported,
         critical_speeds,
         orders: settings.orders.clone(),
+        operating_speed: operating_range(model),
         unstable_ranges,
         stability_threshold_rad_s,
         reduction: Reduction {
@@ -168,13 +187,14 @@ fn refuse_supports(assembly: &Assembly<'_>, spectrum: &Spectrum, settings: &Camp
 
 /// In the stationary frame a stiffness that is not positive any more is the end of the shaft.
 fn refuse_burst(operators: &Operators, spectrum: &Spectrum, highest: f64) -> Result<()> {
-    if operators.stiffening.is_none() || operators.is_rotating() {
+    // a bearing whose stiffness falls makes a motion that creeps away, which is told
+    if operators.stiffening.is_none() || operators.is_rotating() || !operators.changing.is_empty() {
         return Ok(());
     }
     let holds = |speed: f64| -> Result<bool> {
         // what soft bearings hold is held
         let loose = spectrum.flexibility.loose_motions();
-        let k = Flexibility::new(&operators.stiffness_at(speed), &operators.mass, loose)?;
+        let k = Flexibility::new(&operators.stiffness_at(speed, SLOW), &operators.mass, loose)?;
         Ok(k.unstable_directions() == 0)
     };
     if holds(highest)? {

@@ -9,13 +9,15 @@
 //! - consistent form, stationary frame: `K = K_T(Omega) - Omega^2 N`;
 //! - consistent form, rotating frame: `K = K_T(Omega) + Omega^2 M J^2`, `G = 2 M J`.
 
+use crate::analysis::campbell::changing_bearings::{ChangingBearing, units};
+use crate::analysis::campbell::hysteresis::Hysteresis;
 use crate::analysis::campbell::spin_stiffening::Stiffening;
-use crate::linalg::sparse::{Sparse, combine};
+use crate::linalg::sparse::{ComplexSparse, Sparse, combine};
 use crate::model::{Gyroscopic, WhirlFrame};
 use crate::shaft::assembly::Assembly;
 use crate::shaft::attachments::bearing_rows;
 use crate::shaft::spectrum::{Spectrum, mass_orthonormal};
-use faer::{Mat, Scale};
+use faer::{Mat, Scale, c64};
 
 /// The operators; absent ones act nowhere.
 pub struct Operators {
@@ -45,7 +47,13 @@ pub struct Operators {
     pub centrifugal: Option<Sparse>,
     /// `K_T - K_0` over speed in the consistent form.
     pub stiffening: Option<Stiffening>,
-    /// Static forces of bearings that damp or couple, in columns.
+    /// Bearings whose law changes with speed or frequency; the matrices above hold their law at standstill.
+    pub changing: Vec<ChangingBearing>,
+    /// Matrices of their unit laws.
+    units: Vec<[[Sparse; 2]; 2]>,
+    /// Damping of materials with a loss factor.
+    pub hysteresis: Hysteresis<Sparse>,
+    /// Static forces of bearings that damp, couple or change, in columns.
     pub bearing_forces: Mat<f64>,
     /// What the rigid motions become as the shaft deforms: for every node of the stiffening the rotation of its
     /// displacement, in columns (zero for translations).
@@ -64,9 +72,7 @@ impl Operators {
         stiffening: Option<Stiffening>,
     ) -> Self {
         let present = |a: Sparse| (a.compute_nnz() > 0).then_some(a);
-        let active = assembly.model.bearings.iter().filter(|b| {
-            b.damping.iter().flatten().any(|c| *c != 0.0) || b.stiffness[0][1] != b.stiffness[1][0]
-        });
+        let active = assembly.model.bearings.iter().filter(|b| b.damps() || b.couples() || b.table.is_some());
         let forces: Vec<Vec<f64>> = active
             .flat_map(|b| bearing_rows(assembly.model, &assembly.numbering, b))
             .map(|row| assembly.force(&row))
@@ -96,6 +102,9 @@ impl Operators {
             ],
             unstrained: mass_orthonormal(&spectrum.mass, assembly.rigid_motions_on(&[]).1),
             centrifugal,
+            changing: ChangingBearing::all(assembly, rotating),
+            units: units(assembly),
+            hysteresis: Hysteresis::new(assembly),
             bearing_forces: Mat::from_fn(assembly.size(), forces.len(), |i, j| forces[j][i]),
             turned_states: states
                 .iter()
@@ -111,12 +120,25 @@ impl Operators {
 
     /// True when energy is conserved: without growth the eigenvalues are imaginary.
     pub fn is_conservative(&self) -> bool {
-        self.damping.is_none() && self.cross_coupling.is_none() && self.circulatory.is_none()
+        self.damping.is_none()
+            && self.cross_coupling.is_none()
+            && self.circulatory.is_none()
+            && self.hysteresis.is_none()
+            && self.changing.iter().all(ChangingBearing::is_conservative)
     }
 
     /// True when the eigenvalues change with the spin speed.
     pub fn depends_on_speed(&self) -> bool {
-        self.gyroscopic.is_some() || self.circulatory.is_some() || self.centrifugal.is_some()
+        self.gyroscopic.is_some()
+            || self.circulatory.is_some()
+            || self.centrifugal.is_some()
+            || !self.changing.is_empty()
+            || !self.hysteresis.is_none()
+    }
+
+    /// True when the law of a bearing or of the material depends on the motion itself.
+    pub fn is_implicit(&self) -> bool {
+        !self.hysteresis.is_none() || self.changing.iter().any(ChangingBearing::is_implicit)
     }
 
     /// True in the frame that turns with the shaft.
@@ -144,11 +166,46 @@ impl Operators {
         (!terms.is_empty()).then(|| combine(&terms))
     }
 
-    /// Stiffness matrix at a spin speed (rad/s), `K(Omega)`, N/m.
-    pub fn stiffness_at(&self, speed: f64) -> Sparse {
+    /// Stiffness matrix at a spin speed (rad/s), `K(Omega)`, N/m; with the bearings' symmetric change on a motion
+    /// `exp(lambda t)`.
+    pub fn stiffness_at(&self, speed: f64, lambda: c64) -> Sparse {
         let weights = self.weights(speed);
         let mut terms = vec![(1.0, &self.stiffness)];
         terms.extend(weights.iter().copied().zip(self.varying()));
+        terms.extend(self.bearing_terms(|bearing| bearing.change(speed, lambda).stiffness));
         combine(&terms)
+    }
+
+    /// Dynamic stiffness `K(Omega) + X + Omega H + i w (C + Omega G) - w^2 M` of steady vibration at a frequency w (rad/s).
+    pub fn dynamic_stiffness(&self, speed: f64, frequency: f64) -> ComplexSparse {
+        let stiffness = self.stiffness_at(speed, c64::new(0.0, frequency));
+        let (real, imaginary) = (|v: f64| c64::new(v, 0.0), |v: f64| c64::new(0.0, v));
+        let mut terms = vec![(real(1.0), &stiffness), (real(-frequency * frequency), &self.mass)];
+        terms.extend(self.cross_coupling.iter().map(|a| (real(1.0), a)));
+        terms.extend(self.circulatory.iter().map(|a| (real(speed), a)));
+        terms.extend(self.damping.iter().map(|a| (imaginary(frequency), a)));
+        terms.extend(self.gyroscopic.iter().map(|a| (imaginary(frequency * speed), a)));
+        let [on_velocity, on_place] = self.hysteresis.terms(speed, c64::new(0.0, frequency));
+        terms.extend(on_velocity.into_iter().map(|(v, a)| (imaginary(frequency * v), a)));
+        terms.extend(on_place.into_iter().map(|(v, a)| (real(v), a)));
+        let on = |bearing: &ChangingBearing| bearing.change(speed, c64::new(0.0, frequency));
+        terms.extend(self.bearing_terms(|b| on(b).turning).into_iter().map(|(v, a)| (real(v), a)));
+        terms.extend(
+            self.bearing_terms(|b| on(b).damping).into_iter().map(|(v, a)| (imaginary(frequency * v), a)),
+        );
+        combine(&terms)
+    }
+
+    /// A law of every changing bearing as terms of a sparse sum.
+    pub fn bearing_terms(&self, law: impl Fn(&ChangingBearing) -> [[f64; 2]; 2]) -> Vec<(f64, &Sparse)> {
+        let mut terms = Vec::new();
+        for (law, units) in self.changing.iter().map(law).zip(&self.units) {
+            for (k, l) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                if law[k][l] != 0.0 {
+                    terms.push((law[k][l], &units[k][l]));
+                }
+            }
+        }
+        terms
     }
 }

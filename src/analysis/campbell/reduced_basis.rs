@@ -4,6 +4,8 @@
 //! damping and bearings and, in the consistent form, of what spin adds to the stiffness. Without them torsion and
 //! axial modes are off by up to 7e-4. Source: docs/theory/linear-rotordynamics.md#reduction.
 
+use crate::analysis::campbell::changing_bearings::ChangingBearing;
+use crate::analysis::campbell::hysteresis::Hysteresis;
 use crate::analysis::campbell::operators::Operators;
 use crate::analysis::campbell::spin_stiffening::Nodes;
 use crate::error::Result;
@@ -51,6 +53,8 @@ pub struct Solution {
     pub oscillating: usize,
     /// Motions that creep instead of oscillating, because their damping is above the critical one.
     pub overdamped: Vec<Overdamped>,
+    /// Motions for which no law of the bearings was found that is their own.
+    pub unsettled: usize,
 }
 
 /// A motion that creeps: two real eigenvalues where an oscillation would have a conjugate pair.
@@ -63,12 +67,15 @@ pub struct Overdamped {
 }
 
 /// The operators on a reduced basis.
+#[derive(Clone)]
 pub struct Reduced {
     /// Basis in columns, mass-orthonormal: rigid motions first, then vectors with diagonal stiffness.
     pub basis: Mat<f64>,
     /// Number of rigid motions.
     pub n_rigid: usize,
     n_modes: usize,
+    /// Number of motions that are solved with their own law where bearings depend on the motion.
+    pub(super) followed: usize,
     /// Square roots of the diagonal stiffness at rest; zero for rigid motions.
     pub frequencies: Vec<f64>,
     /// `G` per unit spin speed.
@@ -87,6 +94,10 @@ pub struct Reduced {
     /// What the rigid motions gain at each node, in columns.
     pub turned: Vec<Mat<f64>>,
     nodes: Option<Nodes>,
+    /// Bearings whose law changes, on the basis.
+    pub changing: Vec<ChangingBearing>,
+    /// Damping of materials with a loss factor, on the basis.
+    pub hysteresis: Hysteresis<Mat<f64>>,
     /// True in the frame that turns with the shaft.
     pub rotating: bool,
 }
@@ -110,6 +121,9 @@ impl Reduced {
         {
             forces.push(multiply(&secant, carriers.as_ref()));
         }
+        for [damping, turning] in &operators.hysteresis.0 {
+            forces.extend([damping, turning].map(|a| multiply(a, carriers.as_ref())));
+        }
         let mut answers: Vec<Mat<f64>> = forces
             .into_iter()
             .map(|f| {
@@ -129,7 +143,20 @@ impl Reduced {
         let parts: Vec<MatRef<'_, f64>> = answers.iter().map(|f| f.as_ref()).collect();
         let corrections = hstack(&parts);
         let values = &spectrum.values[..modes];
-        Self::project(operators, spectrum, values, kept, corrections)
+        Self::project(operators, spectrum, (values, kept), corrections, corrected)
+    }
+
+    /// The same with more vectors in the basis.
+    ///
+    /// # Errors
+    /// When a small eigenproblem fails.
+    pub fn with(&self, operators: &Operators, spectrum: &Spectrum, more: MatRef<'_, f64>) -> Result<Self> {
+        let end = self.n_rigid + self.n_modes;
+        let (modes, earlier) = (self.basis.get(.., self.n_rigid..end), self.basis.get(.., end..));
+        let mut corrections = hstack(&[earlier, more]);
+        spectrum.flexibility.without_rigid(&mut corrections);
+        let values = &spectrum.values[..self.n_modes];
+        Self::project(operators, spectrum, (values, modes), corrections, self.followed)
     }
 
     /// The basis extended by the static answer to what `targets` leave out of balance at `speed`, and the
@@ -168,10 +195,35 @@ impl Reduced {
             [multiply(&operators.mass, x.as_ref()), on_velocity, on_position]
         };
         let (re, im) = (products(&real), products(&imaginary));
+        let mut changes = Mat::<c64>::zeros(real.nrows(), real.ncols());
+        if !operators.hysteresis.is_none() {
+            for (j, target) in targets.iter().enumerate() {
+                let [re, im] = [&real, &imaginary]
+                    .map(|x| operators.hysteresis.products(speed, target.lambda, x.subcols(j, 1)));
+                for i in 0..shapes.nrows() {
+                    let z = |part: usize| c64::new(re[part][(i, 0)], im[part][(i, 0)]);
+                    changes[(i, j)] += target.lambda * z(0) + z(1);
+                }
+            }
+        }
+        for bearing in &operators.changing {
+            for (j, target) in targets.iter().enumerate() {
+                let change = bearing.change(speed, target.lambda);
+                let felt = [0, 1]
+                    .map(|k| (0..shapes.nrows()).map(|i| shapes[(i, j)] * bearing.rows[(i, k)]).sum::<c64>());
+                for k in 0..2 {
+                    let on = |l: usize| {
+                        change.stiffness[k][l] + change.turning[k][l] + target.lambda * change.damping[k][l]
+                    };
+                    let force = on(0) * felt[0] + on(1) * felt[1];
+                    (0..shapes.nrows()).for_each(|i| changes[(i, j)] += force * bearing.rows[(i, k)]);
+                }
+            }
+        }
         let residual = |i: usize, j: usize| {
             let lambda = targets[j].lambda;
             let z = |k: usize| c64::new(re[k][(i, j)], im[k][(i, j)]);
-            lambda * lambda * z(0) + lambda * z(1) + z(2)
+            lambda * lambda * z(0) + lambda * z(1) + z(2) + changes[(i, j)]
         };
         let (n, m) = (real.nrows(), real.ncols());
         let forces =
@@ -192,7 +244,7 @@ impl Reduced {
         let (modes, earlier) = (self.basis.get(.., self.n_rigid..end), self.basis.get(.., end..));
         let values = &spectrum.values[..self.n_modes];
         let corrections = hstack(&[earlier, answers.as_ref()]);
-        Ok((Self::project(operators, spectrum, values, modes, corrections)?, worst))
+        Ok((Self::project(operators, spectrum, (values, modes), corrections, self.followed)?, worst))
     }
 
     /// Projects the operators on rigid motions, `modes` (mass-orthonormal, with diagonal stiffness `values`)
@@ -200,9 +252,9 @@ impl Reduced {
     fn project(
         operators: &Operators,
         spectrum: &Spectrum,
-        values: &[f64],
-        modes: MatRef<'_, f64>,
+        (values, modes): (&[f64], MatRef<'_, f64>),
         corrections: Mat<f64>,
+        followed: usize,
     ) -> Result<Self> {
         let (extra, extra_values) = independent(spectrum, modes, corrections)?;
         let rigid = spectrum.flexibility.rigid.as_ref();
@@ -239,10 +291,13 @@ impl Reduced {
                 .map(|x| basis.transpose() * multiply(&operators.mass, x.as_ref()))
                 .collect(),
             nodes: operators.stiffening.as_ref().map(|s| s.nodes.clone()),
+            changing: operators.changing.iter().map(|b| b.onto(&basis)).collect(),
+            hysteresis: operators.hysteresis.onto(&basis),
             rotating: operators.is_rotating(),
             basis,
             n_rigid,
             n_modes: values.len(),
+            followed,
             frequencies,
         })
     }
@@ -267,6 +322,11 @@ impl Reduced {
         let turning = |i: usize, j: usize| self.gyroscopic.as_ref().map_or(0.0, |g| speed * g[(i, j)]);
         let block = Mat::from_fn(r, r, |i, j| c64::new(0.0, turning(i, j)));
         Ok(self_adjoint(block.as_ref())?.0.iter().filter(|v| **v <= 1e-9 * speed).count())
+    }
+
+    /// `S`, see [`Operators::travel`].
+    pub fn travel(&self) -> &Mat<f64> {
+        &self.travel
     }
 
     /// Size of the basis.

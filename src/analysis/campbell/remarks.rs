@@ -30,6 +30,14 @@ pub fn fits(model: &Model, settings: &CampbellSettings) -> Result<(), Refusal> {
             "circle and tube sections, or bearings with [[k, c], [-c, k]] and supports that hold r.y and r.z alike",
         );
     }
+    let lossy = model.materials.iter().any(|m| m.loss_factor > 0.0);
+    if lossy && (!round || settings.frame == WhirlFrame::Rotating) {
+        return refused(
+            "materials",
+            "a loss factor needs motions of one frequency in space, of a round shaft in the stationary frame",
+            "circle and tube sections and \"frame\": \"stationary\"; or \"damping\": { \"stiffness\": .. } instead",
+        );
+    }
     match settings.frame {
         WhirlFrame::Stationary if spins && !round => refused(
             "shaft.segments",
@@ -52,7 +60,10 @@ fn is_isotropic(model: &Model) -> bool {
         let size = a.abs().max(b.abs()).max(c.abs()).max(d.abs());
         (a - d).abs() <= 1e-12 * size && (b + c).abs() <= 1e-12 * size
     };
-    let even = |b: &Bearing| turns(b.stiffness) && turns(b.damping);
+    let even = |b: &Bearing| {
+        let laws = b.table.iter().flat_map(|t| t.rows()).copied().chain([b.at_rest()]);
+        !b.is_across() || laws.flat_map(|c| [c.stiffness, c.damping, c.mass]).all(turns)
+    };
     let held = |c: usize, node: usize| {
         let holds = |kind: &SupportKind| match kind {
             SupportKind::Fix(list) => list.contains(&(0, c)),
@@ -134,7 +145,7 @@ pub fn describe_model(
             }
         }
     }
-    if operators.damping.is_some() {
+    if operators.damping.is_some() || !operators.hysteresis.is_none() || !operators.changing.is_empty() {
         summary.modelled.push(Modelled::Damping);
     } else {
         summary.left_out.push(LeftOut::Damping);

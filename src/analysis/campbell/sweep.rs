@@ -105,7 +105,7 @@ impl WhirlSolver<'_> {
             ));
         }
         let count = self.settings.modes.min(last.oscillating).min(exact.oscillating);
-        if self.operators.is_conservative() && count > 0 {
+        if self.operators.is_conservative() && !self.operators.is_implicit() && count > 0 {
             let (below, expected) = self.count(&exact, count, last.speed)?;
             if below != Some(expected) {
                 diagnostics.push(Diagnostic::error(
@@ -138,7 +138,7 @@ impl WhirlSolver<'_> {
         let Some(at) = widest else { return Ok((Some(0), 0)) };
         let w = (frequency(at - 1) * frequency(at)).sqrt();
         let real = |v: f64| c64::new(v, 0.0);
-        let stiffness = self.operators.stiffness_at(speed);
+        let stiffness = self.operators.stiffness_at(speed, c64::new(0.0, w));
         let mut terms = vec![(real(1.0), &stiffness), (real(-w * w), &self.operators.mass)];
         if let Some(g) = &self.operators.gyroscopic {
             terms.push((c64::new(0.0, w * speed), g));

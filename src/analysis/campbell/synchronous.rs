@@ -50,12 +50,13 @@ pub struct Criticals {
 pub fn count_below(operators: &Operators, spectrum: &Spectrum, speed: f64) -> Result<Option<usize>> {
     if operators.is_rotating() {
         let rigid = spectrum.flexibility.rigid.clone();
-        let pinned = Flexibility::new(&operators.stiffness_at(speed), &operators.mass, rigid)?;
+        let pinned =
+            Flexibility::new(&operators.stiffness_at(speed, c64::new(0.0, 0.0)), &operators.mass, rigid)?;
         return Ok(Some(pinned.unstable_directions()).filter(|n| *n != usize::MAX));
     }
     let square = speed * speed;
     let real = |v: f64| c64::new(v, 0.0);
-    let stiffness = operators.stiffness_at(speed);
+    let stiffness = operators.stiffness_at(speed, c64::new(0.0, speed));
     let mut terms = vec![(real(1.0), &stiffness), (real(-square), &operators.mass)];
     if let Some(g) = &operators.gyroscopic {
         terms.push((c64::new(0.0, square), g));

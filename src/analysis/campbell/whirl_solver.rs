@@ -1,6 +1,8 @@
 //! The motions of the reduced model at one speed: those that oscillate, those that creep, and the sense in which their
 //! patterns travel around the axis.
 
+use crate::analysis::campbell::branch_tracking::most_like;
+use crate::analysis::campbell::changing_bearings::ChangingBearing;
 use crate::analysis::campbell::first_order::FirstOrderForm;
 use crate::analysis::campbell::operators::Operators;
 use crate::analysis::campbell::reduced_basis::{Overdamped, Reduced, Solution, Whirling};
@@ -19,6 +21,13 @@ const CREEP: f64 = 100.0;
 const ZERO: f64 = 1e-6;
 /// Rounding of the state matrix over a frequency above which the motion is sharpened.
 const SHARP: f64 = 1e-8;
+/// Most steps towards the law of a motion.
+const SETTLING: usize = 40;
+/// Relative change of an eigenvalue at which its law has settled.
+const SETTLED: f64 = 1e-11;
+/// Relative difference of the eigenvalues of copies of one motion, and the share of one in the other above which they are copies.
+const SAME: f64 = 1e-7;
+const COPY: f64 = 0.99;
 /// Share of rigid motions in a creeping motion from which it is theirs.
 const RIGID: f64 = 0.9;
 
@@ -28,9 +37,17 @@ impl Reduced {
     /// # Errors
     /// When the small eigenproblem fails, or the shaft bursts.
     pub fn solve(&self, speed: f64) -> Result<Solution> {
-        let at = FirstOrderForm::new(self, speed)?;
-        let conservative =
-            self.damping.is_none() && self.cross_coupling.is_none() && self.circulatory.is_none();
+        if self.is_implicit() {
+            self.solve_implicit(speed)
+        } else {
+            self.solve_as(speed, c64::new(0.0, speed))
+        }
+    }
+
+    /// [`Self::solve`] with the law that bearings have on a motion `exp(lambda t)`.
+    fn solve_as(&self, speed: f64, lambda: c64) -> Result<Solution> {
+        let at = FirstOrderForm::new(self, speed, lambda)?;
+        let conservative = at.is_conservative();
         let (mut motions, mut creeping) = if conservative && at.is_skew() {
             (self.undamped(&at)?, Vec::new())
         } else {
@@ -45,7 +62,88 @@ impl Reduced {
         let oscillating = motions.len();
         let overdamped = self.overdamped(&creeping, oscillating);
         motions.extend(creeping);
-        Ok(Solution { speed, motions, oscillating, overdamped })
+        Ok(Solution { speed, motions, oscillating, overdamped, unsettled: 0 })
+    }
+
+    fn is_implicit(&self) -> bool {
+        !self.hysteresis.is_none() || self.changing.iter().any(ChangingBearing::is_implicit)
+    }
+
+    /// The motions where bearings depend on the motion: each of the lowest is solved with the law that holds for itself.
+    fn solve_implicit(&self, speed: f64) -> Result<Solution> {
+        let first = self.solve_as(speed, c64::new(0.0, speed))?;
+        // what creeps has no frequency
+        let slow = self.solve_as(speed, c64::new(0.0, 0.0))?;
+        let mut motions: Vec<Whirling> = Vec::new();
+        let mut unsettled = 0;
+        for (i, start) in first.motions[..first.oscillating].iter().enumerate() {
+            if i >= self.followed {
+                motions.push(start.clone());
+                continue;
+            }
+            let other = |m: &Whirling| !motions.iter().any(|known| self.is_same(known, m));
+            let settled = match self.settled(speed, start)?.filter(other) {
+                Some(motion) => Some(motion),
+                None => self.settled_among_all(speed, start)?.filter(other),
+            };
+            unsettled += usize::from(settled.is_none());
+            motions.push(settled.unwrap_or_else(|| start.clone()));
+        }
+        motions.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
+        let oscillating = motions.len();
+        let creeping = slow.motions[slow.oscillating..].to_vec();
+        let overdamped = self.overdamped(&creeping, oscillating);
+        motions.extend(creeping);
+        Ok(Solution { speed, motions, oscillating, overdamped, unsettled })
+    }
+
+    /// A motion near `start` that satisfies the equations with the law that holds for itself: inverse iteration, the law each
+    /// time that of the motion before. `None` where it does not settle, or stops to oscillate.
+    fn settled(&self, speed: f64, start: &Whirling) -> Result<Option<Whirling>> {
+        let mut motion = start.clone();
+        for _ in 0..SETTLING {
+            let at = FirstOrderForm::new(self, speed, motion.lambda)?;
+            let (a, forms) = (at.state_matrix(), at.forms());
+            let mut right = motion.right.clone();
+            let mut left = motion.left.take().unwrap_or_else(|| right.clone());
+            at.turn(&mut right);
+            at.turn(&mut left);
+            let before = motion.lambda;
+            (motion.lambda, motion.noise) = at.sharpened(&a, &forms, (&mut right, &mut left), before);
+            at.restored(&mut right);
+            at.restored(&mut left);
+            (motion.right, motion.left) = (right, Some(left));
+            if !(motion.lambda.im > 0.0) {
+                return Ok(None);
+            }
+            if (motion.lambda - before).norm() <= SETTLED * motion.lambda.norm() {
+                return Ok(Some(motion));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The same by all motions at each law, among which the one most like `start` is taken.
+    fn settled_among_all(&self, speed: f64, start: &Whirling) -> Result<Option<Whirling>> {
+        let mut lambda = start.lambda;
+        for _ in 0..SETTLING {
+            let all = self.solve_as(speed, lambda)?;
+            let Some(motion) = most_like(&all, start).filter(|m| m.lambda.im > 0.0) else { return Ok(None) };
+            let before = std::mem::replace(&mut lambda, motion.lambda);
+            if (lambda - before).norm() <= SETTLED * lambda.norm() {
+                return Ok(Some(motion.clone()));
+            }
+        }
+        Ok(None)
+    }
+
+    /// True for two copies of one motion.
+    fn is_same(&self, a: &Whirling, b: &Whirling) -> bool {
+        let n = self.size();
+        let size = |v: &[c64]| v.iter().map(|v| v.norm_sqr()).sum::<f64>();
+        let share: c64 = a.right[..n].iter().zip(&b.right[..n]).map(|(a, b)| a.conj() * b).sum();
+        (a.lambda - b.lambda).norm() <= SAME * b.lambda.norm()
+            && share.norm_sqr() > COPY * size(&a.right[..n]) * size(&b.right[..n])
     }
 
     /// Frequency below which an eigenvalue is zero, and the highest of the basis.
@@ -207,12 +305,17 @@ impl Reduced {
     /// A stiffness that is not positive.
     pub fn onto(&self, target: &Self, operators: &Operators, mut solution: Solution) -> Result<Solution> {
         let map = target.basis.transpose() * multiply(&operators.mass, self.basis.as_ref());
-        let (fine, coarse) =
-            (FirstOrderForm::new(self, solution.speed)?, FirstOrderForm::new(target, solution.speed)?);
+        let speed = solution.speed;
+        let both = |lambda: c64| -> Result<_> {
+            Ok((FirstOrderForm::new(self, speed, lambda)?, FirstOrderForm::new(target, speed, lambda)?))
+        };
+        let common = both(c64::new(0.0, speed))?;
         let apply = |x: &[c64]| -> Vec<c64> {
             (0..map.nrows()).map(|i| (0..map.ncols()).map(|j| x[j] * map[(i, j)]).sum()).collect()
         };
         for motion in &mut solution.motions {
+            let own = if self.is_implicit() { Some(both(motion.lambda)?) } else { None };
+            let (fine, coarse) = own.as_ref().unwrap_or(&common);
             motion.right = coarse.right_of(apply(&motion.right), motion.lambda);
             motion.left =
                 motion.left.take().map(|left| coarse.left_of(apply(&left), &apply(&fine.covector(&left))));
@@ -225,7 +328,7 @@ impl Reduced {
     /// # Errors
     /// When a small eigenproblem fails.
     pub fn criticals_below(&self, speed: f64) -> Result<usize> {
-        let at = FirstOrderForm::new(self, speed)?;
+        let at = FirstOrderForm::new(self, speed, c64::new(0.0, 0.0))?;
         let w = &self.frequencies[self.n_rigid..];
         let n = w.len();
         // over the frequencies at rest, so that no digit of the small ones is lost

@@ -24,7 +24,7 @@ use crate::integrate::implicit::Scheme;
 use crate::integrate::{self, IntegratorSettings, Method, Moment, Progress, Step};
 use crate::linalg::factor::Ldlt;
 use crate::linalg::sparse::{combine, symmetric_part};
-use crate::model::{Frame, Integrator, Model, Reading, SpinupSettings, Traction};
+use crate::model::{Frame, Integrator, Model, Reading, Resists, SpinupSettings, Traction};
 use crate::results::{SpinState, Spinup};
 use crate::section::Surface;
 use crate::shaft::assembly::Assembly;
@@ -73,6 +73,36 @@ pub fn fits(model: &Model, settings: &SpinupSettings) -> std::result::Result<(),
             format!("{}.traction", traction.path),
             "half of the surface turns with the shaft: a traction fixed in space does not stay on it",
             "\"follower\": true for a traction that turns with the shaft, or a force in space, or the whole rim",
+        ));
+    }
+    if model.materials.iter().any(|m| m.loss_factor > 0.0) {
+        return Err(Refusal::at(
+            "materials",
+            "a loss factor belongs to one frequency, and a run-up has none",
+            "\"damping\": { \"stiffness\": beta } with beta = eta / w at the frequency w that matters",
+        ));
+    }
+    if let Some(bearing) = model.bearings.iter().find(|b| b.table.is_some()) {
+        return Err(Refusal::at(
+            bearing.path.clone(),
+            "tables of bearings are not part of run-ups",
+            "one stiffness and damping; campbell, unbalance and harmonic have tables",
+        ));
+    }
+    if let Some(bearing) = model.bearings.iter().find(|b| !b.holds_shaft() || b.mass != [[0.0; 2]; 2]) {
+        return Err(Refusal::at(
+            bearing.path.clone(),
+            "housings and the added mass of bearings are not part of run-ups",
+            "a bearing without mass and housing; campbell, unbalance and harmonic have both",
+        ));
+    }
+    if let Some(bearing) =
+        model.bearings.iter().find(|b| matches!(b.resists, Resists::Tilt | Resists::Torsion))
+    {
+        return Err(Refusal::at(
+            bearing.path.clone(),
+            "springs against turning are not part of run-ups",
+            "no tilt or torsional stiffness and damping; campbell, unbalance and harmonic have both",
         ));
     }
     if settings.steady || settings.integrator != Integrator::Adams || settings.frame != Frame::Inertial {

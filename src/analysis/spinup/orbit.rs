@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::linalg::lu::SparseLu;
 use crate::linalg::sparse::{Sparse, combine, from_columns};
 use crate::model::{Bearing, Frame, Model};
-use crate::shaft::assembly::Assembly;
+use crate::shaft::assembly::{Assembly, dragged};
 use crate::shaft::drive::Drive;
 use crate::shaft::internal_forces::{Forces, ScalarMass};
 use crate::shaft::loads::{Loads, Turned, Which};
@@ -88,7 +88,7 @@ fn function(k: usize, theta: f64, derivative: usize) -> f64 {
 
 /// True when everything that acts is constant in the turning frame, so that the steady state is an equilibrium there.
 pub fn is_constant_in_turning_frame(model: &Model) -> bool {
-    let even = |b: &Bearing| [b.stiffness, b.damping].iter().all(|law| uneven(*law) == [0.0; 2]);
+    let even = |b: &Bearing| [b.stiffness, b.damping].iter().all(|law| uneven(b, *law) == [0.0; 2]);
     model.bearings.iter().all(even)
         && [model.gravity[1], model.gravity[2]] == [0.0; 2]
         && model.loads.iter().all(|load| load.is_constant_in_turning_frame())
@@ -96,7 +96,10 @@ pub fn is_constant_in_turning_frame(model: &Model) -> bool {
 }
 
 /// What of a bearing's law changes with the angle: a and b of `[[a, b], [b, -a]]`; rounding beside the rest is none.
-fn uneven([[yy, yz], [zy, zz]]: [[f64; 2]; 2]) -> [f64; 2] {
+fn uneven(bearing: &Bearing, [[yy, yz], [zy, zz]]: [[f64; 2]; 2]) -> [f64; 2] {
+    if !bearing.is_across() {
+        return [0.0; 2];
+    }
     let size = [yy, yz, zy, zz].iter().fold(0.0, |m: f64, v| m.max(v.abs()));
     let told = |v: f64| if v.abs() > 1e-12 * size { v } else { 0.0 };
     [told((yy - zz) / 2.0), told((yz + zy) / 2.0)]
@@ -178,10 +181,11 @@ impl<'a> System<'a> {
         // the mean law of a bearing is what the turning shaft feels all the time
         let mut mean = model.clone();
         for bearing in &mut mean.bearings {
-            for law in [&mut bearing.stiffness, &mut bearing.damping] {
-                let ([a, b], [[yy, yz], [zy, zz]]) = (uneven(*law), *law);
-                *law = [[yy - a, yz - b], [zy - b, zz + a]];
-            }
+            let even = |law| {
+                let ([a, b], [[yy, yz], [zy, zz]]) = (uneven(bearing, law), law);
+                [[yy - a, yz - b], [zy - b, zz + a]]
+            };
+            (bearing.stiffness, bearing.damping) = (even(bearing.stiffness), even(bearing.damping));
         }
         let even = Assembly::new(&mean);
         let on_velocity = combine(&[(1.0, &even.damping()), (2.0 * speed, &even.angular_momentum())]);
@@ -195,9 +199,9 @@ impl<'a> System<'a> {
             let law = |[a, b]: [f64; 2]| {
                 if part == 0 { [[a, b], [b, -a]] } else { [[b, -a], [-a, -b]] }
             };
-            let stiffness = assembly.bearing_matrix(|b| law(uneven(b.stiffness)));
-            let damping = assembly.bearing_matrix(|b| law(uneven(b.damping)));
-            let dragged = assembly.bearing_matrix(|b| law(uneven(b.damping)).map(|[y, z]| [z, -y]));
+            let stiffness = assembly.bearing_matrix(|b| law(uneven(b, b.stiffness)));
+            let damping = assembly.bearing_matrix(|b| law(uneven(b, b.damping)));
+            let dragged = assembly.bearing_matrix(|b| dragged(b, law(uneven(b, b.damping))));
             [combine(&[(1.0, &stiffness), (speed, &dragged)]), damping]
         });
         Ok(Self {
@@ -216,7 +220,7 @@ impl<'a> System<'a> {
 
     /// Newton's method for the coefficients of an orbit.
     fn solve(&self, dynamics: &mut Dynamics<'_>, orbit: &mut Orbit) -> Result<()> {
-        let mut factor: Option<SparseLu> = None;
+        let mut factor: Option<SparseLu<f64>> = None;
         let mut previous = f64::INFINITY;
         let (mut size, mut change) = (0.0, f64::INFINITY);
         for _ in 0..MOST_ITERATIONS {

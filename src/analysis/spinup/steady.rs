@@ -75,7 +75,7 @@ pub(super) fn steady(
     };
     clear_remark(&results.last, &mut diagnostics);
     strain_remark(results.last.largest_strain, &mut diagnostics);
-    if assembly.has_material_damping() || model.bearings.iter().any(|b| b.damping != [[0.0; 2]; 2]) {
+    if assembly.has_material_damping() || model.bearings.iter().any(|b| b.damps()) {
         summary.modelled.push(Modelled::DampingOfMotion);
     }
     summary.left_out.push(LeftOut::Time { periodic: results.orbit.is_some() });
@@ -138,7 +138,7 @@ pub(super) fn stability(
 ) {
     let round = model.sections.iter().all(crate::section::Section::is_axisymmetric);
     let feeds = model.materials.iter().any(|m| m.stiffness_damping != 0.0)
-        || model.bearings.iter().any(|b| b.stiffness[0][1] != b.stiffness[1][0]);
+        || model.bearings.iter().any(|b| b.couples());
     if speed == 0.0 || (round && !feeds) {
         return;
     }

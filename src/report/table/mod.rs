@@ -1,11 +1,13 @@
 //! Short tables for the terminal.
 
 mod linear;
+mod response;
 mod scene;
 mod shaft;
 mod tradeoff;
 
 pub use linear::{campbell, check, modes};
+pub use response::{harmonic, map, unbalance};
 pub use scene::{contact, scene};
 pub use shaft::{spinup, statics};
 pub use tradeoff::tradeoff;

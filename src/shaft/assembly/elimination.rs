@@ -42,6 +42,11 @@ pub(super) fn eliminate(model: &Model, numbering: &Numbering, supports: bool) ->
             expansion[normal] = vec![(free.len(), 1.0)];
             free.push(normal);
         }
+        // a housing does not move along the axis
+        for coordinate in numbering.housings(node).filter(|i| (i - numbering.housings(node).start) % 3 != 0) {
+            expansion[coordinate] = vec![(free.len(), 1.0)];
+            free.push(coordinate);
+        }
     }
     (expansion, free, constraints)
 }

@@ -14,7 +14,7 @@ use crate::element::ElementMatrices;
 use crate::element::basis::{SectionProducts, rotation_with_kinks};
 use crate::linalg::chain::{Layout, Link};
 use crate::linalg::sparse::{Sparse, from_columns};
-use crate::model::{Element, Field, Gyroscopic, Material, Model};
+use crate::model::{Bearing, Element, Field, Gyroscopic, Material, Model};
 use crate::section::basis::SectionBasis;
 use crate::section::kinks::Kinks;
 use crate::shaft::attachments::{self, Contribution, Numbering};
@@ -59,7 +59,7 @@ pub struct Parts {
 pub struct BearingSpring {
     /// The displacement it feels, as a row over coordinates before constraints.
     pub row: Vec<(usize, f64)>,
-    /// Stiffness along that direction (N/m), always above zero.
+    /// Stiffness along that direction (N/m, N m/rad), never zero.
     pub stiffness: f64,
 }
 
@@ -227,14 +227,16 @@ impl<'a> Assembly<'a> {
             .collect()
     }
 
-    /// Mass of shaft and disks, symmetric positive definite.
+    /// Mass of shaft, disks, bearings and housings, symmetric positive definite.
     pub fn mass(&self) -> Sparse {
         self.add_up(&self.mass_parts())
     }
 
-    /// The mass matrix before it is summed: one matrix for each distinct element, and those of the disks.
+    /// The mass matrix before it is summed: one matrix for each distinct element, and those of disks, bearings and housings.
     pub fn mass_parts(&self) -> Parts {
-        self.parts(Some(&|_, m| m.mass.clone()), attachments::disk_mass(self.model, &self.numbering))
+        let mut nodal = attachments::disk_mass(self.model, &self.numbering);
+        nodal.extend(attachments::bearing_mass(self.model, &self.numbering));
+        self.parts(Some(&|_, m| m.mass.clone()), nodal)
     }
 
     /// Stiffness about the undeformed state: shaft, hubs and the symmetric part of the bearings.
@@ -263,7 +265,7 @@ impl<'a> Assembly<'a> {
             for (a, b) in [(cos, sin), (-sin, cos)] {
                 let stiffness = law(a, b);
                 let rounding = if off == 0.0 { 0.0 } else { 16.0 * f64::EPSILON * (kyy + kzz) };
-                if stiffness > rounding {
+                if stiffness.abs() > rounding {
                     springs.push(BearingSpring { row: along(a, b), stiffness });
                 }
             }
@@ -289,7 +291,17 @@ impl<'a> Assembly<'a> {
     }
 
     /// A law of every bearing between the displacements (or velocities) it feels and its forces, as a matrix.
-    pub fn bearing_matrix(&self, law: impl Fn(&crate::model::Bearing) -> [[f64; 2]; 2]) -> Sparse {
+    pub fn bearing_matrix(&self, law: impl Fn(&Bearing) -> [[f64; 2]; 2]) -> Sparse {
+        self.build(None, self.bearings(law))
+    }
+
+    /// The law that couples the k-th displacement of one bearing to its l-th force by 1, as a matrix.
+    pub fn bearing_unit(&self, bearing: &Bearing, k: usize, l: usize) -> Sparse {
+        let law = |b: &Bearing| {
+            let mut law = [[0.0; 2]; 2];
+            law[k][l] = f64::from(std::ptr::eq(b, bearing));
+            law
+        };
         self.build(None, self.bearings(law))
     }
 
@@ -303,7 +315,8 @@ impl<'a> Assembly<'a> {
 
     /// Stiffness and damping of the bearings averaged over the directions, as a turning section feels them in the mean.
     pub fn mean_bearings(&self) -> [Parts; 2] {
-        [self.bearings(|b| mean(b.stiffness)), self.bearings(|b| mean(b.damping))]
+        let mean = |b: &Bearing, law: [[f64; 2]; 2]| if b.is_across() { mean(law) } else { law };
+        [self.bearings(|b| mean(b, b.stiffness)), self.bearings(|b| mean(b, b.damping))]
             .map(|nodal| Parts { elements: Vec::new(), nodal })
     }
 
@@ -387,6 +400,34 @@ impl<'a> Assembly<'a> {
         self.build(self.has_viscosity().then_some(&strain), Vec::new())
     }
 
+    /// Stiffness times loss factor of the materials, by waves around the axis: for every k from 0 the matrix `eta K E_k` and, from
+    /// k = 1 on, `eta K A E_k / k`. `A = D_theta - J` turns a pattern with its vectors, and E_k projects on patterns of k waves,
+    /// for which `A^2 = -k^2`. Empty without a loss factor. Source: docs/theory/linear-rotordynamics.md#hysteresis.
+    pub fn hysteresis(&self) -> Vec<[Sparse; 2]> {
+        if self.model.materials.iter().all(|m| m.loss_factor == 0.0) {
+            return Vec::new();
+        }
+        let turns: Vec<Mat<f64>> =
+            (0..self.distinct.len()).map(|kind| self.turn_of(&self.distinct[kind])).collect();
+        let most = turns.iter().map(|turn| waves(turn) + 1).max().unwrap_or(0);
+        let part = |k: usize, turned: bool| {
+            let elements = self.distinct.iter().enumerate().map(|(kind, m)| {
+                let loss = self.material_of(kind).loss_factor;
+                let a = convection(3 * turns[kind].nrows(), &turns[kind]);
+                let projector = wave_projector(&a, k, waves(&turns[kind]) + 1);
+                let node = if turned { &a * projector * faer::Scale(1.0 / k as f64) } else { projector };
+                let size = node.nrows();
+                let whole = Mat::from_fn(m.stiffness.nrows(), m.stiffness.nrows(), |i, j| {
+                    if i / size == j / size { node[(i % size, j % size)] } else { 0.0 }
+                });
+                &m.stiffness * whole * faer::Scale(loss)
+            });
+            self.add_up(&Parts { elements: elements.collect(), nodal: Vec::new() })
+        };
+        let none = || self.build(None, Vec::new());
+        (0..=most).map(|k| [part(k, false), if k > 0 { part(k, true) } else { none() }]).collect()
+    }
+
     fn has_viscosity(&self) -> bool {
         self.model.materials.iter().any(|m| m.stiffness_damping != 0.0)
     }
@@ -398,7 +439,7 @@ impl<'a> Assembly<'a> {
             times_cross(&m.mass) * faer::Scale(material.mass_damping)
         };
         let external = self.model.materials.iter().any(|m| m.mass_damping != 0.0);
-        let bearings = self.bearings(|b| b.damping.map(|[y, z]| [z, -y]));
+        let bearings = self.bearings(|b| dragged(b, b.damping));
         self.build(external.then_some(&material), bearings)
     }
 
@@ -417,8 +458,26 @@ impl<'a> Assembly<'a> {
         )
     }
 
-    fn bearings(&self, law: impl Fn(&crate::model::Bearing) -> [[f64; 2]; 2]) -> Vec<Contribution> {
+    fn bearings(&self, law: impl Fn(&Bearing) -> [[f64; 2]; 2]) -> Vec<Contribution> {
         attachments::bearing_contributions(self.model, &self.numbering, law)
+    }
+
+    /// `M R` for the translation R of shaft and housings by 1 m along a component (0 to 2): a row over coordinates before constraints.
+    pub fn inertia_of_translation(&self, component: usize) -> Vec<(usize, f64)> {
+        let motion = &self.all_rigid_motions()[component];
+        let mut row = vec![0.0; self.numbering.len()];
+        let parts = self.mass_parts();
+        let mut add = |coordinates: &[usize], matrix: &Mat<f64>| {
+            for (i, &at) in coordinates.iter().enumerate() {
+                row[at] +=
+                    coordinates.iter().enumerate().map(|(j, &c)| matrix[(i, j)] * motion[c]).sum::<f64>();
+            }
+        };
+        for (element, &kind) in self.model.elements.iter().zip(&self.element_type) {
+            add(&self.element_coordinates(element), &parts.elements[kind]);
+        }
+        parts.nodal.iter().for_each(|n| add(&n.coordinates, &n.matrix));
+        row.into_iter().enumerate().filter(|(_, v)| *v != 0.0).collect()
     }
 
     /// A row over all coordinates as a column vector in the free ones, `T^T row`.
@@ -560,6 +619,33 @@ fn times_cross(a: &Mat<f64>) -> Mat<f64> {
 /// Damping matrix of an element by its material, `beta K + alpha M`, N s/m.
 fn material_damping(material: &Material, m: &ElementMatrices) -> Mat<f64> {
     &m.stiffness * faer::Scale(material.stiffness_damping) + &m.mass * faer::Scale(material.mass_damping)
+}
+
+/// `C J` of a damping law: what it makes of a displacement that turns with the frame, per unit speed. Along and about the axis
+/// nothing turns.
+pub fn dragged(bearing: &Bearing, damping: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    if bearing.is_across() { damping.map(|[y, z]| [z, -y]) } else { [[0.0; 2]; 2] }
+}
+
+/// No fewer than the most waves around the axis among functions with that matrix T of `d_theta`: functions of k waves have the
+/// eigenvalues `i k`, and none is above a norm.
+fn waves(turn: &Mat<f64>) -> usize {
+    let norm =
+        (0..turn.nrows()).map(|i| turn.row(i).iter().map(|v| v.abs()).sum::<f64>()).fold(0.0, f64::max);
+    norm.ceil() as usize
+}
+
+/// Projector on the patterns of k waves, of 0 to `most`: `prod_j (A^2 + j^2) / (j^2 - k^2)` over the others.
+fn wave_projector(a: &Mat<f64>, k: usize, most: usize) -> Mat<f64> {
+    let n = a.nrows();
+    let square = a * a;
+    let mut projector = Mat::<f64>::identity(n, n);
+    for j in (0..=most).filter(|j| *j != k) {
+        let (j, k) = ((j * j) as f64, (k * k) as f64);
+        let factor = &square + Mat::from_fn(n, n, |r, c| if r == c { j } else { 0.0 });
+        projector = factor * projector * faer::Scale(1.0 / (j - k));
+    }
+    projector
 }
 
 /// The same law in both directions, with the mean of the diagonal.

@@ -95,6 +95,16 @@ impl Assembly<'_> {
                     _ => {}
                 }
             }
+            // housings go along: what holds them holds the motion
+            for (node, housing) in self.numbering.all_housings(self.model) {
+                let x = self.model.nodes[node].x / l;
+                match motion {
+                    1 | 2 => q[housing + motion] = 1.0,
+                    4 => q[housing + 2] = -x,
+                    5 => q[housing + 1] = x,
+                    _ => {}
+                }
+            }
             q
         })
     }
@@ -129,7 +139,7 @@ impl Assembly<'_> {
 
     /// Displacements that cross-coupling acts between, as rows over coordinates before constraints.
     pub(super) fn coupled_rows(&self) -> Vec<Vec<(usize, f64)>> {
-        let coupled = self.model.bearings.iter().filter(|b| b.stiffness[0][1] != b.stiffness[1][0]);
+        let coupled = self.model.bearings.iter().filter(|b| b.couples());
         coupled.flat_map(|b| attachments::bearing_rows(self.model, &self.numbering, b)).collect()
     }
 
@@ -169,9 +179,9 @@ impl Assembly<'_> {
     pub fn mirror_signs(&self) -> Vec<[bool; 2]> {
         let mut signs = Vec::with_capacity(self.numbering.len());
         for (i, node) in self.model.nodes.iter().enumerate() {
-            // a normal is a vector as r is
-            let normals = self.numbering.normals(i).len() / 3;
-            for [y, z] in node.odd().into_iter().chain((0..normals).map(|_| [false; 2])) {
+            // a normal is a vector as r is, and so is a housing's displacement
+            let others = (self.numbering.normals(i).len() + self.numbering.housings(i).len()) / 3;
+            for [y, z] in node.odd().into_iter().chain((0..others).map(|_| [false; 2])) {
                 signs.extend([[y, z], [!y, z], [y, !z]]);
             }
         }

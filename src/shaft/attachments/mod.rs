@@ -5,9 +5,12 @@
 
 mod hub;
 
+use crate::element::basis::{evaluate, lagrange};
 use crate::element::boundary_curve::{LinePoint, line};
 use crate::element::fields::SectionFunctions;
-use crate::model::{ActsOn, Disk, Element, Field, Hub, Model, Node, SectionHold, SupportKind};
+use crate::model::{
+    ActsOn, Bearing, Between, Disk, Element, Field, Hub, Model, Node, Resists, SectionHold, SupportKind,
+};
 use crate::section::Section;
 use faer::Mat;
 
@@ -22,15 +25,19 @@ pub struct Contribution {
 }
 
 /// Coordinates before constraints: `offset(node) + 3 vector + component`. The vectors of a neighbour that follows
-/// come after the node's own, and after both the normals of disks that are thicker than thin.
+/// come after the node's own, and after both the normals of disks that are thicker than thin and the displacements of housings.
 pub struct Numbering {
     offsets: Vec<usize>,
     /// First coordinate of the vectors that follow; that of the normals where none do.
     followers: Vec<usize>,
     /// First coordinate of the normals, or the end of the node.
     normals: Vec<usize>,
+    /// First coordinate of the displacements of housings, or the end of the node.
+    housings: Vec<usize>,
     /// First coordinate of the normal of each disk that has one.
     of_disk: Vec<Option<usize>>,
+    /// First coordinate of the displacement of each housing.
+    of_housing: Vec<usize>,
 }
 
 impl Numbering {
@@ -38,6 +45,8 @@ impl Numbering {
     pub fn new(model: &Model) -> Self {
         let (mut offsets, mut followers, mut normals) = (vec![0], Vec::new(), Vec::new());
         let mut of_disk = vec![None; model.disks.len()];
+        let mut housings = Vec::new();
+        let mut of_housing = vec![0; model.housings.len()];
         for (i, node) in model.nodes.iter().enumerate() {
             followers.push(offsets[i] + 3 * node.n_vectors());
             normals.push(followers[i] + 3 * node.follower.map_or(0, |f| f.count()));
@@ -48,9 +57,14 @@ impl Numbering {
                     end += 3;
                 }
             }
+            housings.push(end);
+            for (_, place) in model.housings.iter().zip(&mut of_housing).filter(|(h, _)| h.node == i) {
+                *place = end;
+                end += 3;
+            }
             offsets.push(end);
         }
-        Self { offsets, followers, normals, of_disk }
+        Self { offsets, followers, normals, housings, of_disk, of_housing }
     }
 
     /// First coordinate of every set of section vectors at a node: its own, and those that follow.
@@ -66,7 +80,17 @@ impl Numbering {
 
     /// The coordinates of all normals at a node.
     pub fn normals(&self, node: usize) -> std::ops::Range<usize> {
-        self.normals[node]..self.offsets[node + 1]
+        self.normals[node]..self.housings[node]
+    }
+
+    /// The coordinates of all housings that stand at a node.
+    pub fn housings(&self, node: usize) -> std::ops::Range<usize> {
+        self.housings[node]..self.offsets[node + 1]
+    }
+
+    /// First coordinate of the displacement of each housing, with its node.
+    pub fn all_housings<'m>(&'m self, model: &'m Model) -> impl Iterator<Item = (usize, usize)> + 'm {
+        model.housings.iter().zip(&self.of_housing).map(|(h, &at)| (h.node, at))
     }
 
     /// First coordinates of all normals.
@@ -85,6 +109,11 @@ impl Numbering {
     /// Index of a component (0, 1, 2) of a vector of a node.
     pub fn index(&self, node: usize, vector: usize, component: usize) -> usize {
         self.offsets[node] + 3 * vector + component
+    }
+
+    /// First coordinate of the node that a coordinate belongs to.
+    fn start_of(&self, coordinate: usize) -> usize {
+        self.offsets[self.offsets.partition_point(|&o| o <= coordinate) - 1]
     }
 
     /// Number of coordinates of the whole shaft before constraints.
@@ -420,43 +449,134 @@ fn on_vectors(matrix: &Mat<f64>, starts: &[usize]) -> Contribution {
     }
 }
 
-/// A 2 x 2 law between the y and z displacements (or velocities) a bearing feels and its forces.
+/// A 2 x 2 law between what bearings resist (or its rate) and their forces.
 pub fn bearing_contributions(
     model: &Model,
     numbering: &Numbering,
-    law: impl Fn(&crate::model::Bearing) -> [[f64; 2]; 2],
+    law: impl Fn(&Bearing) -> [[f64; 2]; 2],
 ) -> Vec<Contribution> {
-    model
-        .bearings
-        .iter()
-        .filter(|b| law(b).iter().flatten().any(|&v| v != 0.0))
-        .map(|bearing| {
-            let law = law(bearing);
-            let weights = displacement_weights(model, bearing.node, bearing.acts_on);
-            let used: Vec<usize> = (0..weights.len()).filter(|&k| weights[k] != 0.0).collect();
-            let n = 2 * used.len();
-            Contribution {
-                coordinates: used
-                    .iter()
-                    .flat_map(|&k| [1, 2].map(|c| numbering.index(bearing.node, k, c)))
-                    .collect(),
-                matrix: Mat::from_fn(n, n, |i, j| {
-                    weights[used[i / 2]] * weights[used[j / 2]] * law[i % 2][j % 2]
-                }),
+    let acts = |b: &&Bearing| law(b).iter().flatten().any(|&v| v != 0.0);
+    let contribution = |bearing: &Bearing| {
+        let (law, rows) = (law(bearing), bearing_rows(model, numbering, bearing));
+        let mut coordinates: Vec<usize> = rows.iter().flatten().map(|entry| entry.0).collect();
+        coordinates.sort_unstable();
+        coordinates.dedup();
+        let entry = |row: &[(usize, f64)], at: usize| row.iter().find(|e| e.0 == at).map(|e| e.1);
+        let matrix = Mat::from_fn(coordinates.len(), coordinates.len(), |i, j| {
+            let mut sum = 0.0;
+            for (k, row) in rows.iter().enumerate() {
+                for (l, column) in rows.iter().enumerate() {
+                    if let (Some(a), Some(b)) = (entry(row, coordinates[i]), entry(column, coordinates[j])) {
+                        sum += a * b * law[k][l];
+                    }
+                }
             }
-        })
-        .collect()
+            sum
+        });
+        Contribution { coordinates, matrix }
+    };
+    model.bearings.iter().filter(acts).map(contribution).collect()
 }
 
-/// The mean displacements in y and z that a bearing feels, as rows over the shaft's coordinates.
-pub fn bearing_rows(
-    model: &Model,
-    numbering: &Numbering,
-    bearing: &crate::model::Bearing,
-) -> [Vec<(usize, f64)>; 2] {
-    let weights = displacement_weights(model, bearing.node, bearing.acts_on);
-    [1, 2].map(|c| {
-        let entries = weights.iter().enumerate().filter(|(_, w)| **w != 0.0);
-        entries.map(|(k, w)| (numbering.index(bearing.node, k, c), *w)).collect()
-    })
+/// Mean displacement along x, y, z and mean turn about x, y, z of the section at any position (m), interpolated as its element
+/// does: six rows over the coordinates.
+pub fn place_rows(model: &Model, numbering: &Numbering, x: f64) -> [Vec<(usize, f64)>; 6] {
+    let inside = |e: &&Element| x <= e.x + e.length * (1.0 + 1e-9);
+    let Some(element) = model.elements.iter().find(inside).or(model.elements.last()) else {
+        return Default::default();
+    };
+    let Some(region) = Region::of_field(model, element.field(), ActsOn::Section) else {
+        return Default::default();
+    };
+    let r = model.reference_length;
+    let [mean, along_y, along_z] = region.affine(r);
+    let size = [region.moment(2, 0), region.moment(0, 2)];
+    // int (y u_z - z u_y) / int (y^2 + z^2) by the slopes int y f / int y^2
+    let share = |k: usize| size[k] / (size[0] + size[1]) / r;
+    let xi = (2.0 * (x - element.x) / element.length - 1.0).clamp(-1.0, 1.0);
+    let shapes: Vec<f64> = lagrange(element.kind.axial_degree).iter().map(|n| evaluate(n, xi)).collect();
+    let row = |parts: &[(&Vec<f64>, usize, f64)]| -> Vec<(usize, f64)> {
+        let mut row = Vec::new();
+        for (i, shape) in shapes.iter().enumerate().filter(|(_, s)| **s != 0.0) {
+            let start = numbering.of_element(element, i);
+            for (weights, component, factor) in parts {
+                let used = weights.iter().enumerate().filter(|(_, w)| **w != 0.0);
+                row.extend(used.map(|(k, w)| (start + 3 * k + component, shape * factor * w)));
+            }
+        }
+        row
+    };
+    [
+        row(&[(&mean, 0, 1.0)]),
+        row(&[(&mean, 1, 1.0)]),
+        row(&[(&mean, 2, 1.0)]),
+        row(&[(&along_y, 2, share(0)), (&along_z, 1, -share(1))]),
+        row(&[(&along_z, 0, 1.0 / r)]),
+        row(&[(&along_y, 0, -1.0 / r)]),
+    ]
+}
+
+/// Added mass of bearings and the mass of housings, on whole vectors.
+pub fn bearing_mass(model: &Model, numbering: &Numbering) -> Vec<Contribution> {
+    let whole = |part: Contribution| {
+        let first = |i: usize| i - (i - numbering.start_of(i)) % 3;
+        let mut vectors: Vec<usize> = part.coordinates.iter().map(|&i| first(i)).collect();
+        vectors.dedup();
+        let coordinates: Vec<usize> = vectors.iter().flat_map(|&v| [v, v + 1, v + 2]).collect();
+        let place = |i: usize| part.coordinates.iter().position(|&c| c == coordinates[i]);
+        let matrix = Mat::from_fn(coordinates.len(), coordinates.len(), |i, j| {
+            place(i).zip(place(j)).map_or(0.0, |(i, j)| part.matrix[(i, j)])
+        });
+        Contribution { coordinates, matrix }
+    };
+    bearing_contributions(model, numbering, |b| b.mass).into_iter().map(whole).collect()
+}
+
+/// What a bearing resists, as two rows over the shaft's coordinates (the second empty along and about the axis): the mean
+/// displacement of the section (or of what the bearing holds of it) in y and z, less that of the housing; the mean turn
+/// about y and z, `int z u_x / int z^2` and `-int y u_x / int y^2`; the mean displacement along x; the mean turn about x,
+/// `int (y u_z - z u_y) / int (y^2 + z^2)`.
+pub fn bearing_rows(model: &Model, numbering: &Numbering, bearing: &Bearing) -> [Vec<(usize, f64)>; 2] {
+    let Bearing { node, acts_on, .. } = *bearing;
+    let component = |rows: Vec<(usize, f64)>, c: usize, by: f64| -> Vec<(usize, f64)> {
+        rows.into_iter().map(|(at, w)| (at + c, by * w)).collect()
+    };
+    match bearing.resists {
+        Resists::Lateral => {
+            let weights = match bearing.between {
+                Between::HousingAndGround(_) => Vec::new(),
+                _ => displacement_weights(model, node, acts_on),
+            };
+            let housing = match bearing.between {
+                Between::ShaftAndGround => None,
+                Between::ShaftAndHousing(h) => Some((numbering.of_housing[h], -1.0)),
+                Between::HousingAndGround(h) => Some((numbering.of_housing[h], 1.0)),
+            };
+            [1, 2].map(|c| {
+                let entries = weights.iter().enumerate().filter(|(_, w)| **w != 0.0);
+                let shaft = entries.map(|(k, w)| (numbering.index(node, k, c), *w));
+                shaft.chain(housing.map(|(at, w)| (at + c, w))).collect()
+            })
+        }
+        Resists::Tilt => {
+            let per_length = 1.0 / model.reference_length;
+            let [_, along_y, along_z] = affine_rows(model, numbering, node, acts_on);
+            [component(along_z, 0, per_length), component(along_y, 0, -per_length)]
+        }
+        Resists::Axial => {
+            let [mean, ..] = affine_rows(model, numbering, node, acts_on);
+            [mean, Vec::new()]
+        }
+        Resists::Torsion => {
+            let row = mean_rotation(model, node, acts_on);
+            let turned =
+                Region::new(model, node, if acts_on == ActsOn::Axis { ActsOn::Section } else { acts_on });
+            let size = turned.map_or(1.0, |r| {
+                (r.moment(2, 0) + r.moment(0, 2)) / (r.moment(0, 0) * model.reference_length)
+            });
+            let first = numbering.index(node, 0, 0);
+            let entries = row.into_iter().enumerate().filter(|(_, w)| *w != 0.0);
+            [entries.map(|(i, w)| (first + i, w / size)).collect(), Vec::new()]
+        }
+    }
 }

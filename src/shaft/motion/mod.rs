@@ -22,7 +22,7 @@ use crate::linalg::chain::{Chain, Layout, Terms};
 use crate::model::{Frame, Model, Stator, SupportKind};
 use crate::results::RubContact;
 use crate::shaft::assembly::{Assembly, Parts};
-use crate::shaft::attachments::{Contribution, displacement_weights, drives};
+use crate::shaft::attachments::{Contribution, bearing_rows, drives};
 use crate::shaft::drive::{Drive, Turn};
 use crate::shaft::internal_forces::{Forces, ScalarMass, Workspace};
 use crate::shaft::loads::{Loads, Turned, Which};
@@ -50,9 +50,10 @@ struct NodePlace {
     following: Following,
 }
 
-/// A linear bearing: weights of the vectors of its node.
+/// A linear bearing: what it resists as rows over the coordinates, and whether that turns with a turning frame.
 struct BearingLaw {
-    vectors: Vec<(usize, f64)>,
+    rows: [Vec<(usize, f64)>; 2],
+    across: bool,
     stiffness: [[f64; 2]; 2],
     damping: [[f64; 2]; 2],
 }
@@ -215,14 +216,11 @@ impl<'a> Dynamics<'a> {
         let bearings = model
             .bearings
             .iter()
-            .map(|b| {
-                let weights = displacement_weights(model, b.node, b.acts_on).into_iter().enumerate();
-                let vectors = weights.filter(|(_, w)| *w != 0.0);
-                BearingLaw {
-                    vectors: vectors.map(|(k, w)| (numbering.index(b.node, k, 0), w)).collect(),
-                    stiffness: b.stiffness,
-                    damping: b.damping,
-                }
+            .map(|b| BearingLaw {
+                rows: bearing_rows(model, numbering, b),
+                across: b.is_across(),
+                stiffness: b.stiffness,
+                damping: b.damping,
             })
             .collect();
         let linear = Linear::new(assembly, frame == Frame::Rotating);
@@ -390,10 +388,11 @@ impl<'a> Dynamics<'a> {
         let (sin, cos) = if self.frame == Frame::Rotating { turn.angle.sin_cos() } else { (0.0, 1.0) };
         self.powers.bearings = 0.0;
         for bearing in &self.bearings {
+            let (sin, cos) = if bearing.across { (sin, cos) } else { (0.0, 1.0) };
             let felt = |list: &[f64]| {
-                let sum = |c: usize| bearing.vectors.iter().map(|(at, w)| w * list[at + c]).sum::<f64>();
+                let sum = |row: usize| bearing.rows[row].iter().map(|(at, w)| w * list[*at]).sum::<f64>();
                 // in the fixed directions
-                let (y, z) = (sum(1), sum(2));
+                let (y, z) = (sum(0), sum(1));
                 [cos * y - sin * z, sin * y + cos * z]
             };
             let (p, v) = (felt(&m.position), felt(&m.velocity));
@@ -401,9 +400,8 @@ impl<'a> Dynamics<'a> {
             let force = [0, 1].map(|i| (0..2).map(|j| k[i][j] * p[j] + c[i][j] * v[j]).sum::<f64>());
             self.powers.bearings += force[0] * v[0] + force[1] * v[1];
             let force = [cos * force[0] + sin * force[1], cos * force[1] - sin * force[0]];
-            for &(at, w) in &bearing.vectors {
-                m.inertia[at + 1] += w * force[0];
-                m.inertia[at + 2] += w * force[1];
+            for (row, force) in bearing.rows.iter().zip(force) {
+                row.iter().for_each(|&(at, w)| m.inertia[at] += w * force);
             }
         }
         self.powers.friction = self.rub.add(&m.position, &m.velocity, &mut m.inertia);

@@ -1,0 +1,259 @@
+//! `rotor unbalance`: steady vibration in step with the rotation, by masses beside the axis.
+//!
+//! A mass m at the radius e and the angle alpha exerts `m e Omega^2 (cos(Omega t + alpha), sin(Omega t + alpha))`, the force
+//! `m e Omega^2 exp(i alpha) (1, -i)` in complex amplitudes. Source: docs/theory/response.md#unbalance.
+
+use crate::accuracy::locking_and_rounding::{refuse_dependent, refuse_tiny_bore};
+use crate::analysis::campbell::synchronous::critical_speeds;
+use crate::analysis::response::frame;
+use crate::analysis::response::readings::Readings;
+use crate::analysis::response::vibration::{Place, Vibration};
+use crate::analysis::{Counter, Outcome, model_remarks, operating_range, summary, table_remarks};
+use crate::error::{Refusal, Result};
+use crate::model::{Form, Model, Unbalance, UnbalanceSettings};
+use crate::results::{DeflectedShape, Modelled, Peak, UnbalanceMass, UnbalanceResponse};
+use crate::shaft::assembly::Assembly;
+use crate::shaft::attachments::place_rows;
+use faer::c64;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Relative distances from a critical speed at which the response is looked at for a peak.
+const AROUND: [f64; 9] = [0.0, 1e-5, 1e-4, 1e-3, 3e-3, 0.01, 0.02, 0.04, 0.08];
+/// Relative accuracy of the speed of a peak.
+const PEAK_RTOL: f64 = 1e-9;
+/// Share of the largest amplitude of a station below which a maximum is none.
+const LEAST_PEAK: f64 = 1e-9;
+/// Speeds over the whole range at which the few vectors are held against the basis.
+const SPREAD: usize = 48;
+/// Peaks at which the reduced response is checked.
+const CHECKED_PEAKS: usize = 6;
+
+/// Solves for the response over speed, its peaks and what bearings carry.
+///
+/// # Errors
+/// No speeds, no unbalance, a rotor without a frame of constant coefficients, or equations that can't be solved.
+pub fn unbalance(
+    model: &Model,
+    settings: &UnbalanceSettings,
+    progress: Counter<'_>,
+) -> Result<Outcome<UnbalanceResponse>> {
+    let Some(&highest) = settings.speeds.last() else {
+        return Err(Refusal::at(
+            "unbalance.speeds",
+            "the unbalance has no speeds",
+            r#"for example "speeds": { "from": 0, "to": "12000 rpm", "count": 601 }"#,
+        )
+        .into());
+    };
+    if settings.masses.is_empty() {
+        return Err(Refusal::at(
+            "unbalance.masses",
+            "nothing is out of balance",
+            "masses with their moments, a grade, or disks with an offset",
+        )
+        .into());
+    }
+    let frame = frame(model, "unbalance")?;
+    refuse_dependent(model)?;
+    if settings.form == Form::Consistent {
+        refuse_tiny_bore(model)?;
+    }
+    let assembly = Assembly::new(model);
+    let mut diagnostics = model_remarks(model, &assembly);
+    table_remarks(model, &settings.speeds, &mut diagnostics);
+    let rows: Vec<_> = settings.masses.iter().flat_map(|m| across(&assembly, m)).collect();
+    let mut vibration = Vibration::new(&assembly, (settings.form, frame), highest, &rows)?;
+    let criticals = undamped(&vibration, highest)?;
+    let measured_error = settle(&mut vibration, settings, &criticals, highest)?;
+    let vibration = vibration;
+    let readings = Readings::new(&vibration, &settings.stations);
+    let response = |speed: f64| vibration.solve(speed, speed, &shares(&settings.masses, speed));
+    let solve_all = |speeds: &[f64], told: bool| -> Result<Vec<Vec<c64>>> {
+        let one = |speed: &f64| {
+            let found =
+                if *speed > 0.0 { response(*speed) } else { Ok(vec![c64::new(0.0, 0.0); vibration.size()]) };
+            progress(usize::from(told));
+            found
+        };
+        speeds.par_iter().map(one).collect()
+    };
+    let all = solve_all(&settings.speeds, true)?;
+
+    let fine_speeds = looks(settings, &criticals);
+    let fine = solve_all(&fine_speeds, false)?;
+    let factor = settings.amplitude.factor();
+    let mut peaks = Vec::new();
+    let mut curves = Vec::new();
+    for (i, station) in settings.stations.iter().enumerate() {
+        let told = |q: &[c64]| readings.told(i, q);
+        let mut curve: Vec<[f64; 3]> = fine_speeds
+            .iter()
+            .zip(&fine)
+            .map(|(s, q)| [*s, factor * told(q).norm(), told(q).arg()])
+            .collect();
+        let amplitude = |speed: f64| -> Result<f64> { Ok(told(&response(speed)?).norm()) };
+        for speed in maxima(&curve, &amplitude)? {
+            let there = told(&response(speed)?);
+            curve.push([speed, factor * there.norm(), there.arg()]);
+            peaks.push(Peak {
+                station: station.name.clone(),
+                at: station.x,
+                speed_rad_s: speed,
+                speed_rpm: speed * 30.0 / PI,
+                amplitude_m: factor * there.norm(),
+                phase_rad: there.arg(),
+            });
+        }
+        curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        curves.push(curve);
+    }
+    peaks.sort_by(|a, b| a.speed_rad_s.total_cmp(&b.speed_rad_s).then(a.at.total_cmp(&b.at)));
+    let stability_threshold_rad_s = vibration.threshold(highest, &mut diagnostics)?;
+
+    let mut summary =
+        summary(model, assembly.size(), crate::analysis::mass_properties::properties(model).mass());
+    summary.modelled.push(Modelled::UnbalanceMasses(settings.masses.len()));
+    let at: Vec<(f64, f64)> = settings.speeds.iter().map(|s| (*s, *s)).collect();
+    let mut forces = readings.forces(&all, &at);
+    for ((_, response), bearing) in forces.iter_mut().zip(readings.bearings()) {
+        response.at = model.nodes[bearing.node].x;
+    }
+    let results = UnbalanceResponse {
+        form: settings.form.name(),
+        amplitude: settings.amplitude.name(),
+        masses: settings
+            .masses
+            .iter()
+            .map(|m| UnbalanceMass {
+                at: m.x,
+                moment_kg_m: m.moment,
+                angle_rad: m.angle,
+                path: m.path.clone(),
+            })
+            .collect(),
+        operating_speed: operating_range(model),
+        stations: readings.stations(&all, &[], factor, true),
+        shapes: shapes(settings, &peaks, &readings, &response)?,
+        peaks,
+        bearing_forces_n: forces.into_iter().collect(),
+        stability_threshold_rad_s,
+        measured_error,
+        fine: curves,
+        speeds_rad_s: settings.speeds.clone(),
+    };
+    Ok(Outcome { results, model: summary, diagnostics })
+}
+
+/// Displacement along y and z of the section where a mass is.
+fn across(assembly: &Assembly<'_>, mass: &Unbalance) -> [Vec<(usize, f64)>; 2] {
+    let [_, y, z, ..] = place_rows(assembly.model, &assembly.numbering, mass.x);
+    [y, z]
+}
+
+/// Complex amplitudes of the forces along y and z of every mass.
+pub fn shares(masses: &[Unbalance], speed: f64) -> Vec<c64> {
+    let force = |m: &Unbalance| c64::from_polar(m.moment * speed * speed, m.angle);
+    masses.iter().flat_map(|m| [force(m), force(m) * c64::new(0.0, -1.0)]).collect()
+}
+
+/// Critical speeds without damping: where peaks may be.
+fn undamped(vibration: &Vibration<'_>, highest: f64) -> Result<Vec<f64>> {
+    let found = critical_speeds(&vibration.operators, &vibration.spectrum, highest)?;
+    Ok(found.list.into_iter().map(|c| c.speed).collect())
+}
+
+/// Checks the basis at the highest speed and beside critical speeds, and chooses few vectors for all speeds; returns the difference
+/// to the unreduced response.
+fn settle(
+    vibration: &mut Vibration<'_>,
+    settings: &UnbalanceSettings,
+    criticals: &[f64],
+    highest: f64,
+) -> Result<f64> {
+    let place = |s: f64| -> Place { (s, s, shares(&settings.masses, s)) };
+    // where an undamped response still has a bound
+    let beside = criticals.iter().take(CHECKED_PEAKS).map(|s| 0.99 * s);
+    let checked: Vec<Place> = std::iter::once(highest).chain(beside).map(place).collect();
+    let error = vibration.check(&checked)?;
+    let lowest = settings.speeds.iter().copied().find(|s| *s > 0.0).unwrap_or(highest);
+    let spread = (0..SPREAD).map(|k| lowest + (highest - lowest) * k as f64 / (SPREAD - 1) as f64);
+    let near =
+        criticals.iter().filter(|s| **s > lowest).flat_map(|s| [0.97 * s, 0.997 * s, 1.003 * s, 1.03 * s]);
+    let mut speeds: Vec<f64> = spread.chain(near).filter(|s| *s <= highest).collect();
+    speeds.sort_by(f64::total_cmp);
+    vibration.condense(&speeds.into_iter().map(place).collect::<Vec<_>>())?;
+    Ok(error)
+}
+
+/// The speeds asked for and those around critical speeds.
+fn looks(settings: &UnbalanceSettings, criticals: &[f64]) -> Vec<f64> {
+    let (first, last) = (settings.speeds[0], settings.speeds[settings.speeds.len() - 1]);
+    let mut list = settings.speeds.clone();
+    for critical in criticals {
+        list.extend(AROUND.iter().flat_map(|d| [critical * (1.0 - d), critical * (1.0 + d)]));
+    }
+    list.retain(|s| *s > 0.0 && (first..=last).contains(s));
+    list.sort_by(f64::total_cmp);
+    list.dedup();
+    list
+}
+
+/// Speeds of the maxima of a curve `[speed, amplitude, ..]`, refined by golden sections.
+fn maxima(curve: &[[f64; 3]], amplitude: &dyn Fn(f64) -> Result<f64>) -> Result<Vec<f64>> {
+    let largest = curve.iter().fold(0.0, |m: f64, c| m.max(c[1]));
+    let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
+    let mut list = Vec::new();
+    for w in curve.windows(3) {
+        let is_peak = w[1][1] > w[0][1] && w[1][1] >= w[2][1] && w[1][1] > LEAST_PEAK * largest;
+        if !is_peak {
+            continue;
+        }
+        let (mut low, mut high) = (w[0][0], w[2][0]);
+        let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));
+        let (mut at_a, mut at_b) = (amplitude(a)?, amplitude(b)?);
+        while high - low > PEAK_RTOL * high {
+            if at_a > at_b {
+                (high, b, at_b) = (b, a, at_a);
+                a = high - golden * (high - low);
+                at_a = amplitude(a)?;
+            } else {
+                (low, a, at_a) = (a, b, at_b);
+                b = low + golden * (high - low);
+                at_b = amplitude(b)?;
+            }
+        }
+        list.push((low + high) / 2.0);
+    }
+    Ok(list)
+}
+
+/// The deflected shaft at the speeds asked for and at the peaks of any station.
+fn shapes(
+    settings: &UnbalanceSettings,
+    peaks: &[Peak],
+    readings: &Readings<'_>,
+    response: &dyn Fn(f64) -> Result<Vec<c64>>,
+) -> Result<Vec<DeflectedShape>> {
+    let mut speeds: Vec<(f64, bool)> = settings.shapes.iter().map(|s| (*s, false)).collect();
+    // stations share a peak within a thousandth
+    for peak in peaks {
+        if !speeds.iter().any(|(s, at_peak)| *at_peak && (s / peak.speed_rad_s - 1.0).abs() < 1e-3) {
+            speeds.push((peak.speed_rad_s, true));
+        }
+    }
+    let one = |(speed, at_peak): (f64, bool)| -> Result<DeflectedShape> {
+        let orbits = readings.shape(&response(speed)?);
+        let parts = |v: c64| [v.re, v.im];
+        Ok(DeflectedShape {
+            speed_rad_s: speed,
+            at_peak,
+            x_m: orbits.iter().map(|o| o.0).collect(),
+            major_m: orbits.iter().map(|o| o.1.major()).collect(),
+            minor_m: orbits.iter().map(|o| o.1.minor()).collect(),
+            y_m: orbits.iter().map(|o| parts(o.1.y)).collect(),
+            z_m: orbits.iter().map(|o| parts(o.1.z)).collect(),
+        })
+    };
+    speeds.into_iter().map(one).collect()
+}

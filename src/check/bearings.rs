@@ -1,0 +1,258 @@
+//! Bearings, seals and housings: their springs, dampers and masses.
+
+use crate::case;
+use crate::check::{Input, LARGEST_SI};
+use crate::error::Result;
+use crate::model::{ActsOn, Bearing, Between, Housing, Resists};
+use crate::units::Matrix;
+
+/// Keys of a bearing besides at and kind.
+pub(super) const OF_BEARINGS: [&str; 11] = [
+    "stiffness",
+    "damping",
+    "mass",
+    "axial_stiffness",
+    "axial_damping",
+    "tilt_stiffness",
+    "tilt_damping",
+    "torsional_stiffness",
+    "torsional_damping",
+    "housing",
+    "acts_on",
+];
+
+/// Bearings with the housings they stand in.
+#[derive(Default)]
+pub(super) struct Bearings {
+    pub list: Vec<Bearing>,
+    pub housings: Vec<Housing>,
+    /// Index of each shared housing that a bearing stands in, by its name.
+    named: Vec<(String, usize)>,
+}
+
+/// What a law is written in: rows over displacements across the axis, or one direction.
+type LawMatrix = [[f64; 2]; 2];
+
+/// The numbers of a matrix as written.
+macro_rules! numbers {
+    ($matrix:expr) => {
+        $matrix.as_ref().map(|Matrix(rows)| rows.map(|row| row.map(|v| v.0)))
+    };
+}
+
+/// One number as the first entry of a law.
+macro_rules! first {
+    ($value:expr) => {
+        $value.as_ref().map(|v| [[v.0, 0.0], [0.0, 0.0]])
+    };
+}
+
+impl Input<'_> {
+    /// No bearings yet; refuses shared housings that no bearing stands in.
+    pub(super) fn bearings(&self) -> Result<Bearings> {
+        let refers = |name: &str| {
+            let housings = self.case.supports.iter().filter_map(|s| s.housing.as_ref());
+            housings.filter_map(|h| h.name.as_ref()).any(|n| n == name)
+        };
+        if let Some(name) = self.case.housings.keys().find(|name| !refers(name)) {
+            return self.fault(
+                &format!("housings.{name}"),
+                "no bearing stands in this housing",
+                format!("a bearing with \"housing\": {{ \"ref\": \"{name}\" }}, or no such housing"),
+            );
+        }
+        Ok(Bearings::default())
+    }
+
+    /// Adds the springs of a bearing and, where it has one of its own, those of its housing.
+    pub(super) fn bearing(
+        &self,
+        path: &str,
+        s: &case::SupportInput,
+        (node, acts_on, kind): (usize, ActsOn, case::SupportKindInput),
+        bearings: &mut Bearings,
+    ) -> Result<()> {
+        let laws = [
+            (Resists::Lateral, "", numbers!(s.stiffness), numbers!(s.damping)),
+            (Resists::Axial, "axial_", first!(s.axial_stiffness), first!(s.axial_damping)),
+            (Resists::Tilt, "tilt_", numbers!(s.tilt_stiffness), numbers!(s.tilt_damping)),
+            (Resists::Torsion, "torsional_", first!(s.torsional_stiffness), first!(s.torsional_damping)),
+        ];
+        let lateral = laws[0].2.is_some() || laws[0].3.is_some() || s.mass.is_some() || s.housing.is_some();
+        if lateral && s.stiffness.is_none() || laws.iter().all(|l| l.2.is_none() && l.3.is_none()) {
+            return self.fault(
+                &format!("{path}.stiffness"),
+                "a bearing needs its stiffness",
+                "one number (the same in y and z) or [[kyy, kyz], [kzy, kzz]], N/m",
+            );
+        }
+        for (resists, prefix, stiffness, damping) in laws {
+            if stiffness.is_none() && damping.is_none() {
+                continue;
+            }
+            let stiffness = stiffness.unwrap_or_default();
+            let damping = damping.unwrap_or_default();
+            let mass = match resists {
+                Resists::Lateral => numbers!(s.mass).unwrap_or_default(),
+                _ => LawMatrix::default(),
+            };
+            self.law_sizes(
+                path,
+                [(&format!("{prefix}stiffness"), &stiffness), (&format!("{prefix}damping"), &damping)],
+            )?;
+            self.added_mass(&format!("{path}.mass"), &mass)?;
+            let between = match (&s.housing, resists) {
+                (Some(housing), Resists::Lateral) => {
+                    if !is_positive(&stiffness) {
+                        return self.fault(
+                            &format!("{path}.stiffness"),
+                            "springs between shaft and housing must hold each other",
+                            "a symmetric part that is positive definite: kyy > 0, kzz > 0, ((kyz + kzy)/2)^2 < kyy kzz",
+                        );
+                    }
+                    Between::ShaftAndHousing(self.housing(
+                        &format!("{path}.housing"),
+                        housing,
+                        node,
+                        bearings,
+                    )?)
+                }
+                _ => Between::ShaftAndGround,
+            };
+            bearings.list.push(Bearing {
+                node,
+                between,
+                resists,
+                stiffness,
+                damping,
+                mass,
+                table: None,
+                acts_on,
+                seal: kind == case::SupportKindInput::Seal,
+                path: path.to_owned(),
+            });
+        }
+        Ok(())
+    }
+
+    /// The index of the housing of a bearing at a node; a new one, or one that is shared.
+    fn housing(
+        &self,
+        path: &str,
+        h: &case::HousingInput,
+        node: usize,
+        bearings: &mut Bearings,
+    ) -> Result<usize> {
+        let own = [
+            ("mass", h.mass.is_some()),
+            ("stiffness", h.stiffness.is_some()),
+            ("damping", h.damping.is_some()),
+        ];
+        let Some(name) = &h.name else {
+            let (Some(Matrix(mass)), Some(Matrix(stiffness))) = (h.mass, h.stiffness) else {
+                let missing = own.iter().find(|k| !k.1).map_or("mass", |k| k.0);
+                return self.fault(
+                    &format!("{path}.{missing}"),
+                    format!("the housing's \"{missing}\" is missing"),
+                    "mass and stiffness (and damping), or ref with the name of one in `housings`",
+                );
+            };
+            let law = [stiffness.map(|row| row.map(|k| k.0)), numbers!(h.damping).unwrap_or_default()];
+            return self.new_housing(path, (law, mass.map(|row| row.map(|m| m.0))), node, bearings);
+        };
+        if let Some((key, _)) = own.iter().find(|k| k.1) {
+            return self.fault(
+                &format!("{path}.{key}"),
+                "a housing is given by name or by its own values, not both",
+                "ref alone, or mass, stiffness and damping",
+            );
+        }
+        if let Some((_, index)) = bearings.named.iter().find(|(n, _)| n == name) {
+            return Ok(*index);
+        }
+        let names: Vec<String> = self.case.housings.keys().cloned().collect();
+        self.named(&format!("{path}.ref"), "housing", name, &names)?;
+        let Some(shared) = self.case.housings.get(name) else { return Ok(0) };
+        let law = [
+            numbers!(Some(shared.stiffness)).unwrap_or_default(),
+            numbers!(shared.damping).unwrap_or_default(),
+        ];
+        let mass = numbers!(Some(shared.mass)).unwrap_or_default();
+        let index = self.new_housing(&format!("housings.{name}"), (law, mass), node, bearings)?;
+        bearings.named.push((name.clone(), index));
+        Ok(index)
+    }
+
+    fn new_housing(
+        &self,
+        path: &str,
+        ([stiffness, damping], mass): ([LawMatrix; 2], LawMatrix),
+        node: usize,
+        bearings: &mut Bearings,
+    ) -> Result<usize> {
+        self.law_sizes(path, [("stiffness", &stiffness), ("damping", &damping)])?;
+        self.added_mass(&format!("{path}.mass"), &mass)?;
+        if !is_positive(&mass) {
+            return self.fault(
+                &format!("{path}.mass"),
+                "a housing needs mass in both directions",
+                "myy > 0, mzz > 0 and myz^2 < myy mzz; springs in series without a mass between are one spring",
+            );
+        }
+        if !is_positive(&stiffness) {
+            return self.fault(
+                &format!("{path}.stiffness"),
+                "nothing holds the housing",
+                "a symmetric part that is positive definite: kyy > 0, kzz > 0, ((kyz + kzy)/2)^2 < kyy kzz",
+            );
+        }
+        bearings.housings.push(Housing { node, path: path.to_owned() });
+        let index = bearings.housings.len() - 1;
+        bearings.list.push(Bearing {
+            node,
+            between: Between::HousingAndGround(index),
+            resists: Resists::Lateral,
+            stiffness,
+            damping,
+            mass,
+            table: None,
+            acts_on: ActsOn::Section,
+            seal: false,
+            path: path.to_owned(),
+        });
+        Ok(index)
+    }
+
+    /// Refuses entries that leave no digits.
+    fn law_sizes<'a>(&self, path: &str, laws: [(&'a str, &'a LawMatrix); 2]) -> Result<()> {
+        for (key, law) in laws {
+            for (place, value) in law.iter().flatten().enumerate() {
+                let entry = format!("{path}.{key}.{}.{}", place / 2, place % 2);
+                let entry = if self.is_written(&entry) { entry } else { format!("{path}.{key}") };
+                self.within(&entry, value.abs(), 0.0, LARGEST_SI)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses a mass that is not symmetric, or negative in a direction.
+    fn added_mass(&self, path: &str, [[yy, yz], [zy, zz]]: &LawMatrix) -> Result<()> {
+        for value in [yy, yz, zy, zz] {
+            self.within(path, value.abs(), 0.0, LARGEST_SI)?;
+        }
+        if yz != zy || *yy < 0.0 || *zz < 0.0 || yz * zy > yy * zz * (1.0 + 1e-12) {
+            return self.fault(
+                path,
+                "the mass is not symmetric, or negative in a direction",
+                "one number of at least 0, or [[myy, myz], [myz, mzz]] with myy >= 0, mzz >= 0 and myz^2 <= myy mzz",
+            );
+        }
+        Ok(())
+    }
+}
+
+/// True when the symmetric part is positive definite.
+fn is_positive([[yy, yz], [zy, zz]]: &LawMatrix) -> bool {
+    let off = (yz + zy) / 2.0;
+    *yy > 0.0 && *zz > 0.0 && off * off < yy * zz
+}
