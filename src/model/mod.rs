@@ -2,10 +2,12 @@
 //! Every number is finite, SI, and in its allowed range; every position is a node.
 
 mod attachments;
+mod bearing_table;
 pub mod scene;
 mod settings;
 
 pub use attachments::*;
+pub use bearing_table::*;
 pub use settings::*;
 
 pub use crate::case::{ActsOn, Form, Frame, Gyroscopic, Hub, RampShape, WhirlFrame};

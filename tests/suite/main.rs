@@ -2,6 +2,7 @@
 
 mod analytical;
 mod attachments;
+mod bearing_tables;
 mod choice;
 mod cli;
 mod common;
