@@ -1,5 +1,6 @@
 //! What a shaft is made of, as written: materials, sections, segments, disks, supports, loads, probes.
 
+use crate::case::bearing_table::TableInput;
 use crate::section::Surface;
 use crate::units::{
     Damping, Density, Force, Inertia, Length, Mass, Matrix, Moment, Rate, Stiffness, Stress, Time,
@@ -306,6 +307,8 @@ pub struct SupportInput {
     pub stiffness: Option<Matrix<Stiffness>>,
     /// Bearing: [[cyy, cyz], [czy, czz]], or one number for the same in y and z; default zero.
     pub damping: Option<Matrix<Damping>>,
+    /// Bearing: its coefficients over speed, in place of stiffness and damping: a list of rows, or a file.
+    pub table: Option<TableInput>,
 }
 
 /// A load: force or moment at a position, or traction or pressure on a surface.

@@ -1,6 +1,7 @@
 //! From a case as written to a checked [`Model`]: every rule of the case format, with its remedy.
 
 mod attachments;
+mod bearing_table;
 mod body;
 mod campbell;
 pub mod element_choice;
@@ -51,6 +52,7 @@ impl Model {
         let places = input.fixed_positions(length)?;
         let mesh = input.mesh(&plans, &sections, &places, length)?;
         let disks = input.disks(&mesh, &sections)?;
+        input.tables()?;
         let (supports, bearings) = input.supports(&mesh, &sections)?;
         let (loads, tractions) = input.loads(&mesh, &sections)?;
         let probes = input.probes(&mesh, length, &sections)?;

@@ -54,4 +54,5 @@ mod structural;
 mod support_forces;
 mod terminal;
 mod tradeoff;
+mod table_files;
 mod whirl_sense;
