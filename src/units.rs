@@ -35,7 +35,8 @@ const STRESS: Units = &[
     ("bar", 1e5),
     ("N/mm^2", 1e6),
 ];
-const MASS: Units = &[("kg", 1.0), ("g", 1e-3), ("t", 1e3), ("lb", POUND)];
+const MASS: Units =
+    &[("kg", 1.0), ("g", 1e-3), ("t", 1e3), ("lb", POUND), ("lbf s^2/in", POUND_FORCE / INCH)];
 const FORCE: Units = &[("N", 1.0), ("kN", 1e3), ("MN", 1e6), ("lbf", POUND_FORCE)];
 const SPEED: Units = &[
     ("rad/s", 1.0),
@@ -193,6 +194,17 @@ fn parse(text: &str, name: &str, units: Units) -> Result<f64, String> {
     Err(format!("unknown unit \"{unit}\"{near}; {hint}"))
 }
 
+/// SI over a unit of a named dimension, such as 1e3 for "kN" of "force".
+///
+/// # Errors
+/// A unit that is unknown or of another dimension, in words that list those of this one.
+pub(crate) fn unit_factor(unit: &str, dimension: &str) -> Result<f64, String> {
+    match DIMENSIONS.iter().find(|(name, _)| *name == dimension) {
+        Some((name, units)) => parse(&format!("1 {unit}"), name, units),
+        None => Err(format!("there is no dimension \"{dimension}\"")),
+    }
+}
+
 /// What a text with a unit looks like, as a regular expression of JSON Schema.
 fn pattern(units: Units) -> String {
     const PRODUCT: &str = "[ *\u{b7}\u{22c5}]*";
@@ -214,7 +226,7 @@ fn pattern(units: Units) -> String {
 }
 
 /// Refuses sizes whose products would leave the range of numbers.
-fn within_range(value: f64) -> Result<f64, String> {
+pub(crate) fn within_range(value: f64) -> Result<f64, String> {
     if value == 0.0 || (SMALLEST_SI..=LARGEST_SI).contains(&value.abs()) {
         Ok(value)
     } else if !value.is_finite() {

@@ -2,6 +2,7 @@
 //! Unknown keys are errors. The documentation of each key is also that of the JSON Schema.
 
 mod analysis;
+mod bearing_table;
 mod paths;
 mod reading;
 mod response;
@@ -11,10 +12,13 @@ mod settings;
 mod shaft;
 mod spinup;
 pub mod strict_json;
+mod table_file;
 mod tradeoff;
 mod words;
 
 pub use analysis::{Analysis, CaseKind};
+pub(crate) use bearing_table::grid;
+pub use bearing_table::{TableFileInput, TableInput, TableRowInput};
 pub(crate) use paths::shown;
 pub use response::*;
 pub use scene::*;
@@ -36,6 +40,7 @@ use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::path::Path;
+use table_file::read_tables;
 use words::{input_error, syntax_words};
 
 /// A rotor and what to do with it.
@@ -158,7 +163,7 @@ pub struct Filter {
 pub struct LoadedCase {
     /// The case as types.
     pub case: Case,
-    /// The JSON it was read from, overrides included.
+    /// The JSON it was read from, overrides included, with the rows of tables in the place of their files.
     pub value: Value,
     /// File as given on the command line.
     pub file: String,
@@ -226,11 +231,12 @@ impl Case {
 }
 
 impl LoadedCase {
-    /// A case from JSON in memory.
+    /// A case from JSON in memory; tables that it names are read from the folder of `file`.
     ///
     /// # Errors
-    /// Unknown keys or wrong types.
-    pub fn from_value(file: &str, value: Value) -> Result<Self> {
+    /// Unknown keys or wrong types, or a table that can't be read.
+    pub fn from_value(file: &str, mut value: Value) -> Result<Self> {
+        read_tables(file, &mut value)?;
         let case: Case = serde_path_to_error::deserialize(whole_numbers(&value)).map_err(|e| {
             let path = e.path().to_string();
             input_error(file, &value, path.trim_start_matches('.'), &e.into_inner().to_string())

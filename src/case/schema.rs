@@ -188,11 +188,13 @@ fn sections() -> Value {
 fn supports() -> Value {
     json!([
         { "oneOf": [given(&["kind"]), given(&["fix"])] },
-        when("kind", &["clamped"], absent(&["driven", "stiffness", "damping"])),
-        when("kind", &["revolute", "cylindrical"], absent(&["stiffness", "damping"])),
-        when("kind", &["pinned", "roller"], absent(&["section", "driven", "stiffness", "damping"])),
-        when("kind", &["bearing"], json!({ "allOf": [given(&["stiffness"]), absent(&["section", "driven"])] })),
-        { "if": given(&["fix"]), "then": absent(&["section", "driven", "acts_on", "stiffness", "damping"]) }
+        when("kind", &["clamped"], absent(&["driven", "stiffness", "damping", "table"])),
+        when("kind", &["revolute", "cylindrical"], absent(&["stiffness", "damping", "table"])),
+        when("kind", &["pinned", "roller"], absent(&["section", "driven", "stiffness", "damping", "table"])),
+        when("kind", &["bearing"], json!({
+            "oneOf": [given(&["stiffness"]), given(&["table"])], "allOf": [absent(&["section", "driven"])]
+        })),
+        { "if": given(&["fix"]), "then": absent(&["section", "driven", "acts_on", "stiffness", "damping", "table"]) }
     ])
 }
 

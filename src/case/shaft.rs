@@ -1,5 +1,6 @@
 //! What a shaft is made of, as written: materials, sections, segments, disks, supports, loads, probes.
 
+use crate::case::bearing_table::TableInput;
 use crate::section::Surface;
 use crate::units::{
     Damping, Density, Force, Inertia, Length, Mass, Matrix, Moment, Rate, Stiffness, Stress, TiltDamping,
@@ -316,6 +317,8 @@ pub struct SupportInput {
     pub stiffness: Option<Matrix<Stiffness>>,
     /// Bearing, seal: [[cyy, cyz], [czy, czz]], or one number for the same in y and z; default zero.
     pub damping: Option<Matrix<Damping>>,
+    /// Bearing, seal: its coefficients over speed, in place of stiffness and damping: a list of rows, or a file.
+    pub table: Option<TableInput>,
     /// Bearing, seal: added mass [[myy, myz], [myz, mzz]] of what moves with the shaft, or one number; default zero.
     pub mass: Option<Matrix<Mass>>,
     /// Bearing, seal: stiffness along the axis, to the ground.

@@ -229,6 +229,7 @@ impl Input<'_> {
             ("acts_on", s.acts_on.is_some()),
             ("stiffness", s.stiffness.is_some()),
             ("damping", s.damping.is_some()),
+            ("table", s.table.is_some()),
             ("mass", s.mass.is_some()),
             ("axial_stiffness", s.axial_stiffness.is_some()),
             ("axial_damping", s.axial_damping.is_some()),

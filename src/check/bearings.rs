@@ -3,12 +3,13 @@
 use crate::case;
 use crate::check::{Input, LARGEST_SI};
 use crate::error::Result;
-use crate::model::{ActsOn, Bearing, Between, Housing, Resists};
+use crate::model::{ActsOn, Bearing, BearingTable, Between, Coefficients, Housing, Resists};
 use crate::units::Matrix;
 
 /// Keys of a bearing besides at and kind.
-pub(super) const OF_BEARINGS: [&str; 11] = [
+pub(super) const OF_BEARINGS: [&str; 12] = [
     "stiffness",
+    "table",
     "damping",
     "mass",
     "axial_stiffness",
@@ -72,67 +73,99 @@ impl Input<'_> {
         (node, acts_on, kind): (usize, ActsOn, case::SupportKindInput),
         bearings: &mut Bearings,
     ) -> Result<()> {
-        let laws = [
-            (Resists::Lateral, "", numbers!(s.stiffness), numbers!(s.damping)),
+        let seal = kind == case::SupportKindInput::Seal;
+        let add = |resists, between, law: Coefficients, table| {
+            let Coefficients { stiffness, damping, mass } = law;
+            let path = path.to_owned();
+            Bearing { node, between, resists, stiffness, damping, mass, table, acts_on, seal, path }
+        };
+        let others = [
             (Resists::Axial, "axial_", first!(s.axial_stiffness), first!(s.axial_damping)),
             (Resists::Tilt, "tilt_", numbers!(s.tilt_stiffness), numbers!(s.tilt_damping)),
             (Resists::Torsion, "torsional_", first!(s.torsional_stiffness), first!(s.torsional_damping)),
         ];
-        let lateral = laws[0].2.is_some() || laws[0].3.is_some() || s.mass.is_some() || s.housing.is_some();
-        if lateral && s.stiffness.is_none() || laws.iter().all(|l| l.2.is_none() && l.3.is_none()) {
-            return self.fault(
-                &format!("{path}.stiffness"),
-                "a bearing needs its stiffness",
-                "one number (the same in y and z) or [[kyy, kyz], [kzy, kzz]], N/m",
-            );
+        let other = others.iter().any(|o| o.2.is_some() || o.3.is_some());
+        if let Some((law, table)) = self.lateral(path, s, other)? {
+            let between = match &s.housing {
+                None => Between::ShaftAndGround,
+                Some(housing) => {
+                    self.must_hold(path, &law, table.as_ref())?;
+                    let path = format!("{path}.housing");
+                    Between::ShaftAndHousing(self.housing(&path, housing, node, bearings)?)
+                }
+            };
+            bearings.list.push(add(Resists::Lateral, between, law, table));
         }
-        for (resists, prefix, stiffness, damping) in laws {
+        for (resists, prefix, stiffness, damping) in others {
             if stiffness.is_none() && damping.is_none() {
                 continue;
             }
-            let stiffness = stiffness.unwrap_or_default();
-            let damping = damping.unwrap_or_default();
-            let mass = match resists {
-                Resists::Lateral => numbers!(s.mass).unwrap_or_default(),
-                _ => LawMatrix::default(),
-            };
-            self.law_sizes(
-                path,
-                [(&format!("{prefix}stiffness"), &stiffness), (&format!("{prefix}damping"), &damping)],
-            )?;
-            self.added_mass(&format!("{path}.mass"), &mass)?;
-            let between = match (&s.housing, resists) {
-                (Some(housing), Resists::Lateral) => {
-                    if !is_positive(&stiffness) {
-                        return self.fault(
-                            &format!("{path}.stiffness"),
-                            "springs between shaft and housing must hold each other",
-                            "a symmetric part that is positive definite: kyy > 0, kzz > 0, ((kyz + kzy)/2)^2 < kyy kzz",
-                        );
-                    }
-                    Between::ShaftAndHousing(self.housing(
-                        &format!("{path}.housing"),
-                        housing,
-                        node,
-                        bearings,
-                    )?)
-                }
-                _ => Between::ShaftAndGround,
-            };
-            bearings.list.push(Bearing {
-                node,
-                between,
-                resists,
-                stiffness,
-                damping,
-                mass,
-                table: None,
-                acts_on,
-                seal: kind == case::SupportKindInput::Seal,
-                path: path.to_owned(),
-            });
+            let (stiffness, damping) = (stiffness.unwrap_or_default(), damping.unwrap_or_default());
+            let names = [format!("{prefix}stiffness"), format!("{prefix}damping")];
+            self.law_sizes(path, [(&names[0], &stiffness), (&names[1], &damping)])?;
+            let law = Coefficients { stiffness, damping, mass: LawMatrix::default() };
+            bearings.list.push(add(resists, Between::ShaftAndGround, law, None));
         }
         Ok(())
+    }
+
+    /// The law of a bearing across the axis, at standstill and over speed; `None` for one that resists other motions only.
+    fn lateral(
+        &self,
+        path: &str,
+        s: &case::SupportInput,
+        other: bool,
+    ) -> Result<Option<(Coefficients, Option<BearingTable>)>> {
+        let given = [
+            ("stiffness", s.stiffness.is_some()),
+            ("damping", s.damping.is_some()),
+            ("mass", s.mass.is_some()),
+            ("housing", s.housing.is_some()),
+        ];
+        if let Some(table) = &s.table {
+            if let Some((key, _)) = given[..3].iter().find(|k| k.1) {
+                return self.fault(
+                    &format!("{path}.{key}"),
+                    "a bearing has a table or constant coefficients, not both",
+                    "\"table\"; or \"stiffness\", \"damping\" and \"mass\"",
+                );
+            }
+            let path = format!("{path}.table");
+            let table = self.bearing_table(&path, table)?;
+            for (i, row) in table.rows().iter().enumerate() {
+                self.added_mass(&format!("{path}.{i}.mass"), &row.mass)?;
+            }
+            return Ok(Some((table.at(0.0, 0.0), Some(table))));
+        }
+        let Some(stiffness) = numbers!(s.stiffness) else {
+            if other && given.iter().all(|k| !k.1) {
+                return Ok(None);
+            }
+            return self.fault(
+                &format!("{path}.stiffness"),
+                "a bearing needs its stiffness",
+                "one number (the same in y and z) or [[kyy, kyz], [kzy, kzz]], N/m; or a table",
+            );
+        };
+        let damping = numbers!(s.damping).unwrap_or_default();
+        let mass = numbers!(s.mass).unwrap_or_default();
+        self.law_sizes(path, [("stiffness", &stiffness), ("damping", &damping)])?;
+        self.added_mass(&format!("{path}.mass"), &mass)?;
+        Ok(Some((Coefficients { stiffness, damping, mass }, None)))
+    }
+
+    /// Refuses springs between shaft and housing that let go of each other at some speed.
+    fn must_hold(&self, path: &str, law: &Coefficients, table: Option<&BearingTable>) -> Result<()> {
+        let rows = table.map_or(std::slice::from_ref(law), |table| table.rows());
+        if rows.iter().all(|row| is_positive(&row.stiffness)) {
+            return Ok(());
+        }
+        let key = if table.is_some() { "table" } else { "stiffness" };
+        self.fault(
+            &format!("{path}.{key}"),
+            "springs between shaft and housing must hold each other",
+            "a symmetric part that is positive definite: kyy > 0, kzz > 0, ((kyz + kzy)/2)^2 < kyy kzz",
+        )
     }
 
     /// The index of the housing of a bearing at a node; a new one, or one that is shared.

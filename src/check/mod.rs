@@ -1,6 +1,7 @@
 //! From a case as written to a checked [`Model`]: every rule of the case format, with its remedy.
 
 mod attachments;
+mod bearing_table;
 mod bearings;
 mod body;
 mod campbell;

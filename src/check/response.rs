@@ -103,8 +103,9 @@ impl Input<'_> {
                 format!("below {to} N/m"),
             );
         }
-        let is_bearing =
-            |s: &case::SupportInput| s.kind == Some(case::SupportKindInput::Bearing) && s.stiffness.is_some();
+        let is_bearing = |s: &case::SupportInput| {
+            s.kind == Some(case::SupportKindInput::Bearing) && (s.stiffness.is_some() || s.table.is_some())
+        };
         let supports = &self.case.supports;
         let chosen = match &m.bearings {
             Some(list) => {

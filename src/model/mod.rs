@@ -8,7 +8,7 @@ pub mod scene;
 mod settings;
 
 pub use attachments::*;
-pub use bearing_table::{BearingTable, Coefficients};
+pub use bearing_table::*;
 pub use response::*;
 pub use settings::*;
 

@@ -2,6 +2,7 @@
 
 mod analytical;
 mod attachments;
+mod bearing_tables;
 mod choice;
 mod cli;
 mod common;
@@ -51,6 +52,7 @@ mod steady;
 mod steps;
 mod structural;
 mod support_forces;
+mod table_files;
 mod terminal;
 mod tradeoff;
 mod whirl_sense;
