@@ -184,6 +184,9 @@ pub struct Segment {
     pub elements: u64,
     /// Name of a section.
     pub section: String,
+    /// Name of the section at the right end of a taper: all lengths go linearly from those of `section` to those of this one,
+    /// which has the same shape (circle and tube are one). Elements 34X1 .. 34X5; by default `section` all along.
+    pub to_section: Option<String>,
     /// Name of a material.
     pub material: String,
     /// Element of this segment, when it differs from the shaft's.

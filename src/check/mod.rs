@@ -13,7 +13,7 @@ mod spinup;
 pub mod steps;
 
 use crate::case::{self, Case, LoadedCase, nearest};
-use crate::check::element_choice::{Choice, Demands, choose, level};
+use crate::check::element_choice::{Choice, Demands, choose, choose_taper, level};
 use crate::check::memory::{memory, mesh_memory};
 use crate::check::mesh::{Mesh, SHORTEST_SEGMENT_PER_LENGTH, SegmentPlan};
 use crate::check::steps::FINEST;
@@ -40,7 +40,7 @@ impl Model {
         let (sections, section_names) = input.sections()?;
         let (mut plans, choices) =
             input.segments((&sections, &section_names), (&materials, &material_names))?;
-        let kept = used(plans.iter_mut().map(|p| &mut p.section).collect());
+        let kept = used(plans.iter_mut().flat_map(|p| [&mut p.section, &mut p.to_section]).collect());
         let names_of = |all: &[String], kept: &[usize]| kept.iter().map(|&i| all[i].clone()).collect();
         let mut names = Names { sections: names_of(&section_names, &kept), ..Names::default() };
         let sections: Vec<Section> = kept.into_iter().map(|i| sections[i]).collect();
@@ -50,6 +50,10 @@ impl Model {
         let length: f64 = plans.iter().map(|p| p.length).sum();
         let places = input.fixed_positions(length)?;
         let mesh = input.mesh(&plans, &sections, &places, length)?;
+        let ends = |[a, b]: &[usize; 2]| format!("{} to {}", names.sections[*a], names.sections[*b]);
+        let between: Vec<String> = mesh.between.iter().map(ends).collect();
+        names.sections.extend(between);
+        let sections = mesh.sections.clone();
         let disks = input.disks(&mesh, &sections)?;
         let (supports, bearings) = input.supports(&mesh, &sections)?;
         let (loads, tractions) = input.loads(&mesh, &sections)?;
@@ -235,15 +239,21 @@ impl Input<'_> {
         let (mut fixed, mut chosen) = (Vec::new(), Vec::new());
         for (i, segment) in shaft.segments.iter().enumerate() {
             let at = |key: &str| format!("shaft.segments.{i}.{key}");
-            let shape = &shapes[self.named(&at("section"), "section", &segment.section, sections)?];
+            let faces = self.faces(i, segment, (shapes, sections))?;
+            let [shape, end] = faces.map(|face| &shapes[face]);
             let asked = named(&at("element"), &segment.element)?.or(default);
-            let unasked = || (!shape.is_hollow()).then_some(continuum(SectionBasis::Monomials(3)));
+            let solid = !shape.is_hollow() && !end.is_hollow();
+            let unasked = || solid.then_some(continuum(SectionBasis::Monomials(3)));
             let (asked, effort) =
                 asked.map_or_else(|| (unasked(), Some(0)), |asked| (asked.kind, asked.effort));
             let material = self.named(&at("material"), "material", &segment.material, material_names)?;
             let demands = Demands { poisson_ratio: materials[material].poisson_ratio, ..demands };
-            chosen.push(asked.is_none().then(|| (choose(shape, demands), *shape, demands.poisson_ratio)));
-            fixed.push((asked, effort, *shape, segment.length.0));
+            let choice = || match faces[0] == faces[1] {
+                true => choose(shape, demands),
+                false => choose_taper([shape, end], demands),
+            };
+            chosen.push(asked.is_none().then(|| (choice(), *shape, demands.poisson_ratio)));
+            fixed.push((asked, effort, [*shape, *end], segment.length.0));
         }
         let ends: Vec<_> = fixed.iter().map(|f| (f.1, f.2, f.3)).collect();
         let wanted = steps::efforts(&ends);
@@ -319,6 +329,27 @@ impl Input<'_> {
         Ok(shaft)
     }
 
+    /// The sections of the ends of a segment.
+    fn faces(
+        &self,
+        i: usize,
+        segment: &case::Segment,
+        (shapes, sections): (&[Section], &[String]),
+    ) -> Result<[usize; 2]> {
+        let at = |key: &str| format!("shaft.segments.{i}.{key}");
+        let section = self.named(&at("section"), "section", &segment.section, sections)?;
+        let Some(name) = &segment.to_section else { return Ok([section; 2]) };
+        let to_section = self.named(&at("to_section"), "section", name, sections)?;
+        if shapes[section].shape != shapes[to_section].shape {
+            return self.fault(
+                &at("to_section"),
+                "a taper has one shape from end to end",
+                "a section of the shape of \"section\": round (circle, tube, ellipse) or rectangle",
+            );
+        }
+        Ok(if shapes[section] == shapes[to_section] { [section; 2] } else { [section, to_section] })
+    }
+
     fn segments(
         &self,
         (shapes, sections): (&[Section], &[String]),
@@ -332,8 +363,15 @@ impl Input<'_> {
             if segment.elements == 0 {
                 return self.fault(&at("elements"), "a segment needs elements", "at least 1");
             }
-            let section = self.named(&at("section"), "section", &segment.section, sections)?;
+            let [section, to_section] = self.faces(i, segment, (shapes, sections))?;
             let shape = &shapes[section];
+            if section != to_section && (kind.basis.is_ring() || kind.law != Law::Continuum) {
+                return self.fault(
+                    &at("to_section"),
+                    format!("{} has functions or constants of one section and takes no taper", kind.name()),
+                    "\"element\" 34X1 .. 34X5 on this segment; or no to_section",
+                );
+            }
             if kind.basis.is_ring() && !shape.is_ring() {
                 let name = kind.name();
                 let (problem, remedy) = if !shape.is_hollow() {
@@ -368,6 +406,7 @@ impl Input<'_> {
                 kind,
                 effort,
                 section,
+                to_section,
                 material: self.named(&at("material"), "material", &segment.material, materials)?,
             });
         }
@@ -381,7 +420,7 @@ impl Input<'_> {
             );
         }
         for (i, pair) in plans.windows(2).enumerate() {
-            if shapes[pair[0].section].common(&shapes[pair[1].section]).is_none() {
+            if shapes[pair[0].to_section].common(&shapes[pair[1].section]).is_none() {
                 return self.fault(
                     &format!("shaft.segments.{}.section", i + 1),
                     "this section has nothing in common with the one before it",

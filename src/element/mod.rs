@@ -19,6 +19,7 @@ pub mod quadrature;
 pub mod ring;
 pub mod ring_functions;
 pub mod structural_3333s;
+pub mod taper;
 
 use crate::model::{ElementKind, Law, Material};
 use crate::section::Section;
@@ -99,16 +100,56 @@ impl ElementMatrices {
         length: f64,
     ) -> Self {
         let axial = basis::AxialProducts::new(kind.axial_degree, length);
+        Self::along(&axial, plane, kind, section, material)
+    }
+
+    /// Matrices of an element whose section changes linearly from its left to its right face: at as many stations as make the
+    /// integrals along it exact, each with the products of its own section. Source: docs/theory/elements.md#tapers.
+    pub fn tapered(
+        (kind, kinks): (ElementKind, &Kinks),
+        faces: [&Section; 2],
+        material: &Material,
+        length: f64,
+        reference_length: f64,
+    ) -> Self {
+        let mut sum: Option<Self> = None;
+        for station in quadrature::gauss(taper::linear_stations(kind, kinks)) {
+            let section = taper::at(faces, station.0);
+            let plane = basis::SectionProducts::with_kinks(kind.basis, kinks, &section, reference_length);
+            let axial = basis::AxialProducts::at_station(kind.axial_degree, length, station);
+            let part = Self::along(&axial, &plane, kind, &section, material);
+            match &mut sum {
+                None => sum = Some(part),
+                Some(sum) => sum.add(&part),
+            }
+        }
+        sum.unwrap_or_else(|| Self::with_kinks((kind, kinks), faces[0], material, length, reference_length))
+    }
+
+    fn add(&mut self, part: &Self) {
+        self.mass += &part.mass;
+        self.gyroscopic += &part.gyroscopic;
+        self.spin_softening += &part.spin_softening;
+        self.stiffness += &part.stiffness;
+    }
+
+    fn along(
+        axial: &basis::AxialProducts,
+        plane: &basis::SectionProducts,
+        kind: ElementKind,
+        section: &Section,
+        material: &Material,
+    ) -> Self {
         let reference_length = plane.reference_length;
         let stiffness = match kind.law {
-            Law::Continuum => continuum::stiffness(&continuum::isotropic(material), &axial, plane),
-            Law::Split => continuum::split_stiffness(section, material, &axial, plane),
-            Law::Structural => structural_3333s::stiffness(section, material, &axial, reference_length),
+            Law::Continuum => continuum::stiffness(&continuum::isotropic(material), axial, plane),
+            Law::Split => continuum::split_stiffness(section, material, axial, plane),
+            Law::Structural => structural_3333s::stiffness(section, material, axial, reference_length),
         };
         Self {
-            mass: inertia::mass(material.density, &axial, plane),
-            gyroscopic: inertia::gyroscopic(material.density, &axial, plane),
-            spin_softening: inertia::spin_softening(material.density, &axial, plane),
+            mass: inertia::mass(material.density, axial, plane),
+            gyroscopic: inertia::gyroscopic(material.density, axial, plane),
+            spin_softening: inertia::spin_softening(material.density, axial, plane),
             stiffness,
         }
     }

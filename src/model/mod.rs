@@ -93,8 +93,10 @@ pub struct Element {
     pub kind: ElementKind,
     /// Kinked functions beside those of the member, near a step.
     pub kinks: Kinks,
-    /// Index into [`Model::sections`].
+    /// Index into [`Model::sections`]; of a tapered element the section halfway.
     pub section: usize,
+    /// Sections of its left and right end, between which all lengths change linearly.
+    pub faces: [usize; 2],
     /// Index into [`Model::materials`].
     pub material: usize,
     /// At its left and right end: whether its vectors follow those of the neighbour, see [`Node::follower`].
@@ -110,6 +112,17 @@ impl Element {
     /// Vectors at each of its nodes.
     pub fn n_vectors(&self) -> usize {
         self.field().count()
+    }
+
+    /// The section of its end at a node; `None` where it does not end.
+    pub fn face_at(&self, node: usize) -> Option<usize> {
+        let ends = [self.first_node, self.first_node + self.kind.axial_degree];
+        ends.iter().position(|end| *end == node).map(|end| self.faces[end])
+    }
+
+    /// True when its section changes along it.
+    pub fn is_tapered(&self) -> bool {
+        self.faces[0] != self.faces[1]
     }
 }
 
@@ -235,6 +248,20 @@ pub struct Names {
 }
 
 impl Model {
+    /// Sections of the ends of an element.
+    pub fn faces(&self, e: &Element) -> [&Section; 2] {
+        e.faces.map(|face| &self.sections[face])
+    }
+
+    /// The section of an element at x (m).
+    pub fn section_in(&self, e: &Element, x: f64) -> Section {
+        if !e.is_tapered() {
+            return self.sections[e.section];
+        }
+        let [left, right] = self.faces(e);
+        left.between(right, ((x - e.x) / e.length).clamp(0.0, 1.0))
+    }
+
     /// The same shaft with the section turned that [`SpinupSettings::driven_node`] names.
     pub fn with_drive(&self, settings: &SpinupSettings) -> Self {
         let mut driven = self.clone();

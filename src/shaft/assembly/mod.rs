@@ -104,7 +104,7 @@ impl<'a> Assembly<'a> {
     ) -> Self {
         let mut keys: Vec<&Element> = Vec::new();
         let same = |a: &Element, b: &Element| {
-            (a.kind, a.section, a.material, a.kinks) == (b.kind, b.section, b.material, b.kinks)
+            (a.kind, a.faces, a.material, a.kinks) == (b.kind, b.faces, b.material, b.kinks)
                 && (a.length - b.length).abs() <= 1e-13 * b.length
         };
         let element_type = model
@@ -121,6 +121,10 @@ impl<'a> Assembly<'a> {
         let mut products: Vec<(Field, SectionProducts)> = Vec::new();
         let mut matrices = |e: &&Element| {
             let (section, material) = (&model.sections[e.section], &model.materials[e.material]);
+            if e.is_tapered() {
+                let (faces, r) = (model.faces(e), model.reference_length);
+                return ElementMatrices::tapered((e.kind, &e.kinks), faces, material, e.length, r);
+            }
             let at = products.iter().position(|(field, _)| *field == e.field()).unwrap_or_else(|| {
                 let (basis, r) = (e.kind.basis, model.reference_length);
                 products.push((e.field(), SectionProducts::with_kinks(basis, &e.kinks, section, r)));

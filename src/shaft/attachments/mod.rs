@@ -103,14 +103,9 @@ impl Numbering {
     }
 }
 
-/// Elements that meet at an end node, left before right.
-fn elements_at(model: &Model, node: usize) -> impl Iterator<Item = &crate::model::Element> {
-    model.elements.iter().filter(move |e| e.first_node == node || e.first_node + e.kind.axial_degree == node)
-}
-
 /// The section a support or bearing takes hold of: common to both sides of a step.
 pub fn section_at(model: &Model, node: usize) -> Option<Section> {
-    let mut sections = elements_at(model, node).map(|e| model.sections[e.section]);
+    let mut sections = model.elements.iter().filter_map(|e| e.face_at(node)).map(|face| model.sections[face]);
     let first = sections.next()?;
     Some(sections.fold(first, |a, b| a.common(&b).unwrap_or(a)))
 }
