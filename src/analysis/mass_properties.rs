@@ -35,6 +35,12 @@ pub fn properties(model: &Model) -> Properties {
         let (section, density) =
             (&model.sections[element.section], model.materials[element.material].density);
         let (a, b) = (element.x, element.x + element.length);
+        if element.carried.added_mass != 0.0 {
+            let mass = element.carried.added_mass * element.length;
+            p.shaft += mass;
+            first[0] += mass * (a + b) / 2.0;
+            xx += mass * (a * a + a * b + b * b) / 3.0;
+        }
         if element.is_tapered() {
             // moments of the fourth degree in x
             for (xi, weight) in gauss(3) {

@@ -193,7 +193,7 @@ pub fn growth_in(
     })
 }
 
-/// True where a rigid hub or end keeps the section from deforming: stresses there are those of its constraint.
+/// True where a rigid hub, end or face keeps the section from deforming: stresses there are those of its constraint.
 pub fn in_rigid_hub(model: &Model, x: f64) -> bool {
     let disks = model.disks.iter().filter(|d| d.hub == Hub::Rigid).map(|d| d.node);
     let rigid = |kind: &SupportKind| {
@@ -206,7 +206,8 @@ pub fn in_rigid_hub(model: &Model, x: f64) -> bool {
     };
     let supports = model.supports.iter().filter(|s| rigid(&s.kind)).map(|s| s.node);
     let radius = model.section_in(element_at(model, x), x).outer_size();
-    disks.chain(supports).any(|node| (model.nodes[node].x - x).abs() <= HELD * radius)
+    let faces = (0..model.nodes.len()).filter(|&node| model.nodes[node].face);
+    disks.chain(supports).chain(faces).any(|node| (model.nodes[node].x - x).abs() <= HELD * radius)
 }
 
 /// Largest principal Green-Lagrange strain, by size, at three stations of every element, on its outline and axis.

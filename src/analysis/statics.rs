@@ -9,7 +9,7 @@ use crate::analysis::probes::{axis_displacement, largest_strain, probe_states, p
 use crate::analysis::section_forces::ForceReader;
 use crate::analysis::stations::headline;
 use crate::analysis::steps::stress_remarks;
-use crate::analysis::{Outcome, model_remarks, nonlinear_summary};
+use crate::analysis::{Outcome, model_remarks, nonlinear_summary, refuse_initial_stress};
 use crate::error::{Error, Result};
 use crate::linalg::dot;
 use crate::model::Model;
@@ -31,6 +31,7 @@ const AXIS_POINTS: usize = 201;
 /// # Errors
 /// A load along a motion that no support resists, or an element without nonlinear form.
 pub fn statics(model: &Model) -> Result<Outcome<Static>> {
+    refuse_initial_stress(model)?;
     refuse_dependent(model)?;
     refuse_tiny_bore(model)?;
     let assembly = Assembly::new(model);

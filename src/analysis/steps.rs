@@ -100,12 +100,13 @@ fn run(list: &mut dyn Iterator<Item = &Element>, mut face: usize, right: bool) -
     (length, None)
 }
 
-/// Joints of unlike sections. At a rigid hub the section is undeformed by intent, and nothing is missed.
+/// Joints of unlike sections. At a rigid hub or a face the section is undeformed by intent, and nothing is missed.
 fn joints(model: &Model) -> Vec<Joint> {
     let mut list = Vec::new();
     for (left, pair) in model.elements.windows(2).enumerate() {
         let [a, b] = [&pair[0], &pair[1]];
-        let held = model.disks.iter().any(|d| d.node == b.first_node && d.hub == Hub::Rigid);
+        let held = model.nodes[b.first_node].face
+            || model.disks.iter().any(|d| d.node == b.first_node && d.hub == Hub::Rigid);
         let faces = [a.faces[1], b.faces[0]];
         if faces[0] == faces[1] || held {
             continue;

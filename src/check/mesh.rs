@@ -1,7 +1,7 @@
 //! Elements and nodes along the shaft: segments laid end to end, cut where something stands.
 
 use crate::check::steps::{Neighbour, Steps, most};
-use crate::model::{Element, ElementKind, Field, Node};
+use crate::model::{Carried, Element, ElementKind, Field, Node};
 use crate::section::Section;
 use crate::section::kinks::Kinks;
 
@@ -29,6 +29,10 @@ pub struct SegmentPlan {
     pub to_section: usize,
     /// Index of its material.
     pub material: usize,
+    /// Added mass and initial stress.
+    pub carried: Carried,
+    /// Joined to the segment before by a thin face.
+    pub face: bool,
 }
 
 impl SegmentPlan {
@@ -75,6 +79,9 @@ impl Mesh {
         };
         let mut start = 0.0;
         for (segment, plan) in plans.iter().enumerate() {
+            if let Some(node) = mesh.nodes.last_mut() {
+                node.face = plan.face;
+            }
             let (steps, before) = steps(plans, sections, segment, plain, start);
             let graded = steps.cuts.iter().map(|x| start + x - before);
             let end = start + plan.length;
@@ -143,14 +150,25 @@ impl Mesh {
                 }
             }
             (Some(_), _) => {}
-            (None, _) => self.nodes.push(Node { x, field, follower: None }),
+            (None, _) => self.nodes.push(Node { x, field, follower: None, face: false }),
         }
         let first_node = self.nodes.len() - 1;
         for i in 1..=kind.axial_degree {
             let x = x + length * i as f64 / kind.axial_degree as f64;
-            self.nodes.push(Node { x, field, follower: None });
+            self.nodes.push(Node { x, field, follower: None, face: false });
         }
-        self.elements.push(Element { x, length, first_node, kind, kinks, section, faces, material, follows });
+        self.elements.push(Element {
+            x,
+            length,
+            first_node,
+            kind,
+            kinks,
+            section,
+            faces,
+            material,
+            carried: plan.carried,
+            follows,
+        });
     }
 
     /// The element end nearest to a position (which was among those given to [`Mesh::new`]).
@@ -252,7 +270,17 @@ mod tests {
     fn plan(length: f64, elements: u64, order: usize) -> SegmentPlan {
         let kind =
             ElementKind { axial_degree: 3, basis: SectionBasis::Monomials(order), law: Law::Continuum };
-        SegmentPlan { length, elements, kind, effort: 0, section: 0, to_section: 0, material: 0 }
+        SegmentPlan {
+            length,
+            elements,
+            kind,
+            effort: 0,
+            section: 0,
+            to_section: 0,
+            material: 0,
+            carried: Carried::default(),
+            face: false,
+        }
     }
 
     fn ends(mesh: &Mesh) -> Vec<f64> {

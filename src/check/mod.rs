@@ -20,7 +20,7 @@ use crate::check::steps::FINEST;
 use crate::error::Result;
 use crate::instructions::Instructions;
 use crate::model::ElementChoice;
-use crate::model::{ElementKind, Hub, Law, Material, Model, Names};
+use crate::model::{Carried, ElementKind, Hub, Law, Material, Model, Names};
 use crate::section::basis::SectionBasis;
 use crate::section::{Section, Shape};
 
@@ -74,6 +74,7 @@ impl Model {
             materials,
             sections,
             names,
+            initial_stress: input.initial_stress(),
             choices,
             snapped: snapped(&mesh, &places, length),
             elements: mesh.elements,
@@ -350,6 +351,41 @@ impl Input<'_> {
         Ok(if shapes[section] == shapes[to_section] { [section; 2] } else { [section, to_section] })
     }
 
+    /// Added mass and initial stress of a segment.
+    fn carried(&self, i: usize, segment: &case::Segment, faces: [&Section; 2]) -> Result<Carried> {
+        let at = |key: &str| format!("shaft.segments.{i}.{key}");
+        let carried = Carried {
+            added_mass: segment.added_mass_per_length.map_or(0.0, |m| m.0),
+            axial_force: segment.axial_force.map_or(0.0, |f| f.0),
+            torque: segment.torque.map_or(0.0, |t| t.0),
+        };
+        self.not_negative(&at("added_mass_per_length"), carried.added_mass)?;
+        self.within(&at("axial_force"), carried.axial_force.abs(), 0.0, LARGEST_SI)?;
+        self.within(&at("torque"), carried.torque.abs(), 0.0, LARGEST_SI)?;
+        if carried.torque != 0.0 && !faces.iter().all(|face| face.is_axisymmetric()) {
+            return self.fault(
+                &at("torque"),
+                "the initial shear of a torque is that of round sections",
+                "circles or tubes on this segment; or no torque",
+            );
+        }
+        Ok(carried)
+    }
+
+    /// Path of the first axial force or torque.
+    fn initial_stress(&self) -> Option<String> {
+        let segments = self.case.shaft.iter().flat_map(|s| &s.segments).enumerate();
+        let of = |(i, s): (usize, &case::Segment)| {
+            let keys = [
+                ("axial_force", s.axial_force.is_some_and(|f| f.0 != 0.0)),
+                ("torque", s.torque.is_some_and(|t| t.0 != 0.0)),
+            ];
+            let key = keys.iter().find(|key| key.1)?.0;
+            Some(format!("shaft.segments.{i}.{key}"))
+        };
+        segments.filter_map(of).next()
+    }
+
     fn segments(
         &self,
         (shapes, sections): (&[Section], &[String]),
@@ -400,7 +436,16 @@ impl Input<'_> {
                     "3333c: solid circle or rectangle; 3333s: solid circle; else an element 34X1 .. 34X5",
                 );
             }
+            if i == 0 && segment.joint.is_some() {
+                return self.fault(
+                    &at("joint"),
+                    "the first segment has none before it to be joined to",
+                    "\"joint\" on the segment on the right of the joint",
+                );
+            }
             plans.push(SegmentPlan {
+                face: segment.joint == Some(case::JointInput::Face),
+                carried: self.carried(i, segment, [shape, &shapes[to_section]])?,
                 length: self.length(&at("length"), segment.length.0)?,
                 elements: segment.elements,
                 kind,
@@ -419,12 +464,12 @@ impl Input<'_> {
                 format!("at least {SHORTEST_SEGMENT_PER_LENGTH:e} of the shaft"),
             );
         }
-        for (i, pair) in plans.windows(2).enumerate() {
+        for (i, pair) in plans.windows(2).enumerate().filter(|(_, pair)| !pair[1].face) {
             if shapes[pair[0].to_section].common(&shapes[pair[1].section]).is_none() {
                 return self.fault(
                     &format!("shaft.segments.{}.section", i + 1),
                     "this section has nothing in common with the one before it",
-                    "neighbouring sections whose walls overlap",
+                    "neighbouring sections whose walls overlap; or \"joint\": \"face\" on this segment (a rigid thin face)",
                 );
             }
         }
@@ -482,7 +527,13 @@ impl Input<'_> {
         }
         // a grip that has no limit as sections deform more freely
         let disks = self.case.disks.iter().filter(|d| d.hub != Hub::Rigid);
-        let plain: Vec<f64> = disks.map(|d| d.at.0).collect();
+        let mut plain: Vec<f64> = disks.map(|d| d.at.0).collect();
+        // a thin face keeps both sides plane
+        let mut start = 0.0;
+        for plan in plans {
+            plain.extend(plan.face.then_some(start));
+            start += plan.length;
+        }
         Ok(Mesh::new(plans, sections, (&positions, &plain), length))
     }
 

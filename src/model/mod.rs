@@ -80,6 +80,17 @@ impl ElementKind {
     }
 }
 
+/// What a segment carries beside the mass and the stiffness of its section.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Carried {
+    /// Mass per length that moves with the mean displacement of the section, kg/m.
+    pub added_mass: f64,
+    /// Axial force P of the initial stress `P/A`, tension positive, N.
+    pub axial_force: f64,
+    /// Torque T of the initial shear `T r/J`, about +x on a face that looks along +x, N m.
+    pub torque: f64,
+}
+
 /// One beam element; it occupies the nodes `first_node ..= first_node + axial_degree`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Element {
@@ -99,6 +110,8 @@ pub struct Element {
     pub faces: [usize; 2],
     /// Index into [`Model::materials`].
     pub material: usize,
+    /// Added mass and initial stress.
+    pub carried: Carried,
     /// At its left and right end: whether its vectors follow those of the neighbour, see [`Node::follower`].
     pub follows: [bool; 2],
 }
@@ -161,6 +174,8 @@ pub struct Node {
     pub field: Field,
     /// What the vectors of the neighbour that follows multiply.
     pub follower: Option<Field>,
+    /// Joined by a thin face: plane and undistorted, it may widen as a whole.
+    pub face: bool,
 }
 
 impl Node {
@@ -202,6 +217,8 @@ pub struct Model {
     pub sections: Vec<Section>,
     /// What the case calls them.
     pub names: Names,
+    /// JSON path of the first axial force or torque of a segment.
+    pub initial_stress: Option<String>,
     /// Elements that the program chose itself (`"element": "auto"`), and why.
     pub choices: Vec<ElementChoice>,
     /// Places that stood beside an element end by rounding and were moved onto it, in words.

@@ -2,6 +2,7 @@
 
 mod analytical;
 mod attachments;
+mod carried;
 mod choice;
 mod cli;
 mod common;
@@ -18,6 +19,7 @@ mod drives;
 mod elastica;
 mod element;
 mod examples;
+mod faces;
 mod frames;
 mod golden;
 mod house;
@@ -51,6 +53,7 @@ mod steady;
 mod steps;
 mod structural;
 mod support_forces;
+mod tapers;
 mod terminal;
 mod tradeoff;
 mod whirl_sense;
