@@ -115,7 +115,7 @@ fn kinked() -> (KinkedElement, Vec<f64>) {
     let at = |radius| Kink { radius, scale: 0.1, degree: 2, inward: false };
     let kinks = Kinks::new(&[at(0.085), at(0.1), at(0.115)]);
     let with = (Quadrature::EXACT, Instructions::Widest);
-    let element = KinkedElement::new((kind, &kinks), &Section::circle(0.2), &STEEL, 0.3, 0.2, with);
+    let element = KinkedElement::new((kind, &kinks), [&Section::circle(0.2); 2], &STEEL, 0.3, 0.2, with);
     let n = kind.n_vectors() + kinks.count();
     let q = strained(element.size(), n, 0.2);
     (element, q)

@@ -106,10 +106,11 @@ pub fn independence(section: &Section, basis: SectionBasis) -> f64 {
 
 /// Sections and members of a model, each pair once, with the material.
 fn fields(model: &Model) -> Vec<(&Section, &Material, SectionBasis, String)> {
-    let mut seen: Vec<(usize, usize, SectionBasis)> = Vec::new();
+    // a taper has one name for all its sections
+    let mut seen: Vec<(&str, usize, SectionBasis)> = Vec::new();
     let mut list = Vec::new();
     for e in model.elements.iter().filter(|e| e.kind.law == Law::Continuum) {
-        let key = (e.section, e.material, e.kind.basis);
+        let key = (&model.names.sections[e.section][..], e.material, e.kind.basis);
         if !seen.contains(&key) {
             seen.push(key);
             list.push((

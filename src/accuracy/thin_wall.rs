@@ -76,9 +76,11 @@ pub fn wall_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
         let of = if segments.len() == 1 { "segment" } else { "segments" };
         Diagnostic::info("element-choice", format!("{of} {}: {text}", segments.join(", ")))
     }));
-    let mut seen: Vec<(usize, SectionBasis)> = Vec::new();
+    // a taper has one name for all its sections
+    let mut seen: Vec<(&str, SectionBasis)> = Vec::new();
     for e in &model.elements {
-        let (key, section) = ((e.section, e.kind.basis), &model.sections[e.section]);
+        let (key, section) =
+            ((&model.names.sections[e.section][..], e.kind.basis), &model.sections[e.section]);
         if seen.contains(&key) || !section.is_hollow() || e.kind.law != Law::Continuum {
             continue;
         }

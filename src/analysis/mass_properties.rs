@@ -1,5 +1,7 @@
 //! Mass, centre of mass and inertia of a rotor.
 
+use crate::element::quadrature::gauss;
+use crate::element::taper;
 use crate::model::Model;
 
 /// Mass properties of the undeformed rotor.
@@ -33,6 +35,26 @@ pub fn properties(model: &Model) -> Properties {
         let (section, density) =
             (&model.sections[element.section], model.materials[element.material].density);
         let (a, b) = (element.x, element.x + element.length);
+        if element.carried.added_mass != 0.0 {
+            let mass = element.carried.added_mass * element.length;
+            p.shaft += mass;
+            first[0] += mass * (a + b) / 2.0;
+            xx += mass * (a * a + a * b + b * b) / 3.0;
+        }
+        if element.is_tapered() {
+            // moments of the fourth degree in x
+            for (xi, weight) in gauss(3) {
+                let section = taper::at(model.faces(element), xi);
+                let share = density * weight * element.length / 2.0;
+                let (x, mass) = ((a + b + (b - a) * xi) / 2.0, share * section.area());
+                p.shaft += mass;
+                first[0] += mass * x;
+                xx += mass * x * x;
+                yy += share * section.moment(2, 0);
+                zz += share * section.moment(0, 2);
+            }
+            continue;
+        }
         let mass = density * section.area() * element.length;
         p.shaft += mass;
         first[0] += mass * (a + b) / 2.0;

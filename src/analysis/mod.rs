@@ -22,6 +22,7 @@ pub mod stations;
 pub mod steps;
 
 use crate::element::structural_3333s::AXIAL_POINTS;
+use crate::error::{Refusal, Result};
 use crate::model::{Hub, Law, Model, Quadrature};
 use crate::results::{Diagnostic, LeftOut, ModelSummary, Modelled, OperatingRange};
 use crate::shaft::assembly::Assembly;
@@ -93,6 +94,12 @@ fn contents(model: &Model, law: Modelled, degrees_of_freedom: usize, mass_kg: f6
     if !model.housings.is_empty() {
         modelled.push(Modelled::Housings(model.housings.len()));
     }
+    if model.elements.iter().any(|e| e.carried.added_mass != 0.0) {
+        modelled.push(Modelled::AddedMass);
+    }
+    if model.initial_stress.is_some() {
+        modelled.push(Modelled::InitialStress);
+    }
     ModelSummary {
         degrees_of_freedom,
         elements: model.elements.len(),
@@ -159,6 +166,17 @@ fn table_remarks(model: &Model, speeds: &[f64], list: &mut Vec<Diagnostic>) {
             ));
         }
     }
+}
+
+/// Refuses axial forces and torques of segments where stress follows from the loads.
+fn refuse_initial_stress(model: &Model) -> Result<()> {
+    let Some(path) = &model.initial_stress else { return Ok(()) };
+    Err(Refusal::at(
+        path.clone(),
+        "an initial stress acts in modes and campbell only: here the forces of the shaft follow from its loads",
+        "no axial_force and torque in the segments; a force or moment in \"loads\" instead",
+    )
+    .into())
 }
 
 /// Remarks on input that a linear analysis does not use.

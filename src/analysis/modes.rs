@@ -113,7 +113,8 @@ fn shape(assembly: &Assembly<'_>, q: &[f64], share: &EnergyShare) -> ModeShape {
             let xi = 2.0 * station as f64 / DRAWN_STATIONS_PER_ELEMENT as f64 - 1.0;
             let field = field_at(assembly, q, e, xi);
             let mean = |c: usize| weights.iter().enumerate().map(|(k, w)| w * field[(k, c)]).sum::<f64>();
-            let twist = (field[(1, 2)] - field[(2, 1)]) / 2.0 * section.outer_size() / r;
+            let size = model.section_in(element, element.x + element.length * (xi + 1.0) / 2.0).outer_size();
+            let twist = (field[(1, 2)] - field[(2, 1)]) / 2.0 * size / r;
             shape.x_m.push(element.x + element.length * station as f64 / DRAWN_STATIONS_PER_ELEMENT as f64);
             shape.axis.push([mean(0), mean(1), mean(2)]);
             shape.twist.push(twist);
@@ -130,10 +131,10 @@ fn shape(assembly: &Assembly<'_>, q: &[f64], share: &EnergyShare) -> ModeShape {
     }
     let (_, e, xi) = activity;
     let element = &model.elements[e];
-    let section = &model.sections[element.section];
     let field = field_at(assembly, q, e, xi);
     let functions = functions(model, element.field());
     shape.section_x_m = element.x + element.length * (xi + 1.0) / 2.0;
+    let section = model.section_in(element, shape.section_x_m);
     for inner in [false, true].into_iter().take(1 + usize::from(section.is_hollow())) {
         let outline = section.outline(inner, OUTLINE_POINTS);
         let displacement = |&[y, z]: &[f64; 2]| {

@@ -127,7 +127,7 @@ pub fn displacement(assembly: &Assembly<'_>, q: &[f64], point: [f64; 3]) -> [f64
 pub fn axis_displacement(assembly: &Assembly<'_>, q: &[f64], x: f64) -> [f64; 3] {
     let e = element_at(assembly.model, x);
     if e.kind.basis.is_ring() {
-        return Centre::new(assembly, x, &assembly.model.sections[e.section]).displacement(q);
+        return Centre::new(assembly, x, &assembly.model.section_in(e, x)).displacement(q);
     }
     displacement(assembly, q, [x, 0.0, 0.0])
 }
@@ -219,7 +219,7 @@ pub fn growth_in(
     })
 }
 
-/// True where a rigid hub or end keeps the section from deforming: stresses there are those of its constraint.
+/// True where a rigid hub, end or face keeps the section from deforming: stresses there are those of its constraint.
 pub fn in_rigid_hub(model: &Model, x: f64) -> bool {
     let disks = model.disks.iter().filter(|d| d.hub == Hub::Rigid).map(|d| d.node);
     let rigid = |kind: &SupportKind| {
@@ -231,8 +231,9 @@ pub fn in_rigid_hub(model: &Model, x: f64) -> bool {
         )
     };
     let supports = model.supports.iter().filter(|s| rigid(&s.kind)).map(|s| s.node);
-    let radius = model.sections[element_at(model, x).section].outer_size();
-    disks.chain(supports).any(|node| (model.nodes[node].x - x).abs() <= HELD * radius)
+    let radius = model.section_in(element_at(model, x), x).outer_size();
+    let faces = (0..model.nodes.len()).filter(|&node| model.nodes[node].face);
+    disks.chain(supports).chain(faces).any(|node| (model.nodes[node].x - x).abs() <= HELD * radius)
 }
 
 /// Largest principal Green-Lagrange strain, by size, at three stations of every element, on its outline and axis.
@@ -240,10 +241,10 @@ pub fn largest_strain(assembly: &Assembly<'_>, q: &[f64]) -> f64 {
     let model = assembly.model;
     let mut largest: f64 = 0.0;
     for e in &model.elements {
-        let section = &model.sections[e.section];
-        let mut points = section.outline(false, if section.shape == Shape::Rectangle { 8 } else { 12 });
-        points.extend(if section.is_hollow() { section.outline(true, 12) } else { vec![[0.0; 2]] });
         for share in [0.0, 0.5, 1.0] {
+            let section = model.section_in(e, e.x + share * e.length);
+            let mut points = section.outline(false, if section.shape == Shape::Rectangle { 8 } else { 12 });
+            points.extend(if section.is_hollow() { section.outline(true, 12) } else { vec![[0.0; 2]] });
             for &[y, z] in &points {
                 let (_, f) = position(assembly, q, e, [e.x + share * e.length, y, z]);
                 let strain = (f.transpose() * f - Matrix3::identity()) / 2.0;

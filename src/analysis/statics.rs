@@ -9,7 +9,7 @@ use crate::analysis::probes::{axis_displacement, largest_strain, probe_states, p
 use crate::analysis::section_forces::ForceReader;
 use crate::analysis::stations::headline;
 use crate::analysis::steps::stress_remarks;
-use crate::analysis::{Outcome, model_remarks, nonlinear_summary};
+use crate::analysis::{Outcome, model_remarks, nonlinear_summary, refuse_initial_stress};
 use crate::error::{Error, Result};
 use crate::linalg::dot;
 use crate::model::Model;
@@ -38,6 +38,7 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
         diagnostics.push(Diagnostic::info("seals-left-out", text));
     }
     let model = &model.without_seals();
+    refuse_initial_stress(model)?;
     refuse_dependent(model)?;
     refuse_tiny_bore(model)?;
     let assembly = Assembly::new(model);

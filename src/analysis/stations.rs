@@ -44,7 +44,7 @@ pub fn headline(model: &Model) -> GrowthStation {
     let middle = model.length / 2.0;
     let station = |x: f64| {
         let e = element_at(model, x);
-        let section = model.sections[e.section];
+        let section = model.section_in(e, x);
         let radius = section.outer_size();
         let distance = |p: &f64| ((p - x).abs() / radius).min(elements_between(model, *p, x));
         let clearance = places.iter().map(distance).fold(f64::INFINITY, f64::min);
@@ -75,7 +75,7 @@ fn elements_between(model: &Model, a: f64, b: f64) -> f64 {
 fn disturbances(model: &Model) -> Vec<f64> {
     let mut places = vec![0.0, model.length];
     let unlike =
-        |a: &Element, b: &Element| (a.section, a.material, a.kind) != (b.section, b.material, b.kind);
+        |a: &Element, b: &Element| (a.faces[1], a.material, a.kind) != (b.faces[0], b.material, b.kind);
     places.extend(model.elements.windows(2).filter(|w| unlike(&w[0], &w[1])).map(|w| w[1].x));
     places.extend(model.disks.iter().map(|d| model.nodes[d.node].x));
     let held = model.supports.iter().filter(|s| s.kind != SupportKind::Turned);
@@ -86,7 +86,7 @@ fn disturbances(model: &Model) -> Vec<f64> {
 /// Growth of rim and bore of the section at x.
 pub fn section_growth(assembly: &Assembly<'_>, q: &[f64], x: f64) -> SectionGrowth {
     let e = element_at(assembly.model, x);
-    let section = &assembly.model.sections[e.section];
+    let section = assembly.model.section_in(e, x);
     let bore = section.is_hollow().then(|| growth_in(assembly, q, e, x, section.inner));
     SectionGrowth { rim_m: growth_in(assembly, q, e, x, section.outer), bore_m: bore }
 }
@@ -96,10 +96,10 @@ pub fn growth_along(assembly: &Assembly<'_>, q: &[f64]) -> GrowthAlong {
     let model = assembly.model;
     let mut along = GrowthAlong::default();
     for (i, e) in model.elements.iter().enumerate() {
-        let section = &model.sections[e.section];
-        let joint = model.elements.get(i + 1).is_none_or(|next| next.section != e.section);
+        let joint = model.elements.get(i + 1).is_none_or(|next| next.faces[0] != e.faces[1]);
         for k in 0..STATIONS_PER_ELEMENT + usize::from(joint) {
             let x = e.x + e.length * k as f64 / STATIONS_PER_ELEMENT as f64;
+            let section = model.section_in(e, x);
             along.x_m.push(x);
             along.rim_m.push(growth_in(assembly, q, e, x, section.outer));
             let bore = section.is_hollow().then(|| growth_in(assembly, q, e, x, section.inner));

@@ -87,28 +87,31 @@ fn share_left(elements: [&Element; 2], sections: [&Section; 2]) -> f64 {
     of_outer.max(of_bore)
 }
 
-/// Length of the elements that have the same section as the first, and the section after them.
-fn run(list: &mut dyn Iterator<Item = &Element>, section: usize) -> (f64, Option<usize>) {
+/// Length of the elements up to the next step from a face on, and the section beyond it; `right` counts to the right.
+fn run(list: &mut dyn Iterator<Item = &Element>, mut face: usize, right: bool) -> (f64, Option<usize>) {
     let mut length = 0.0;
     for e in list {
-        if e.section != section {
-            return (length, Some(e.section));
+        let [near, far] = if right { e.faces } else { [e.faces[1], e.faces[0]] };
+        if near != face {
+            return (length, Some(near));
         }
-        length += e.length;
+        (length, face) = (length + e.length, far);
     }
     (length, None)
 }
 
-/// Joints of unlike sections. At a rigid hub the section is undeformed by intent, and nothing is missed.
+/// Joints of unlike sections. At a rigid hub or a face the section is undeformed by intent, and nothing is missed.
 fn joints(model: &Model) -> Vec<Joint> {
     let mut list = Vec::new();
     for (left, pair) in model.elements.windows(2).enumerate() {
         let [a, b] = [&pair[0], &pair[1]];
-        let held = model.disks.iter().any(|d| d.node == b.first_node && d.hub == Hub::Rigid);
-        if a.section == b.section || held {
+        let held = model.nodes[b.first_node].face
+            || model.disks.iter().any(|d| d.node == b.first_node && d.hub == Hub::Rigid);
+        let faces = [a.faces[1], b.faces[0]];
+        if faces[0] == faces[1] || held {
             continue;
         }
-        let sections = [a, b].map(|e| &model.sections[e.section]);
+        let sections = faces.map(|face| &model.sections[face]);
         let share = share_left([a, b], sections);
         let radii = sections.map(|s| s.outer_size());
         let settled = radii[0].max(radii[1]) <= SETTLED_RATIO * radii[0].min(radii[1]);
@@ -116,8 +119,8 @@ fn joints(model: &Model) -> Vec<Joint> {
             continue;
         }
         let runs = [
-            run(&mut model.elements[..=left].iter().rev(), a.section),
-            run(&mut model.elements[left + 1..].iter(), b.section),
+            run(&mut model.elements[..=left].iter().rev(), faces[0], false),
+            run(&mut model.elements[left + 1..].iter(), faces[1], true),
         ];
         let mean = |value: &dyn Fn(usize) -> f64| (value(a.material) + value(b.material)) / 2.0;
         let soft = mean(&|m| 1.0 / model.materials[m].youngs_modulus);
@@ -204,10 +207,14 @@ pub fn step_excess(assembly: &Assembly<'_>) -> Vec<Excess> {
     Spectrum::new(assembly, MOTIONS).map_or(Vec::new(), |spectrum| excesses(assembly, &spectrum, &joints))
 }
 
+/// True when the section does not change from one element to the next.
+fn runs_on(model: &Model, left: &Element, right: &Element) -> bool {
+    model.sections[left.faces[1]] == model.sections[right.faces[0]]
+}
+
 /// Pairs of elements between which the section changes.
 fn steps_of(model: &Model) -> impl Iterator<Item = [&Element; 2]> {
-    let differ = |pair: &[&Element; 2]| model.sections[pair[0].section] != model.sections[pair[1].section];
-    model.elements.windows(2).map(|pair| [&pair[0], &pair[1]]).filter(move |pair| differ(pair))
+    model.elements.windows(2).map(|pair| [&pair[0], &pair[1]]).filter(|[a, b]| !runs_on(model, a, b))
 }
 
 /// Says where kinked functions act and what they cost, and warns of disks whose own bending they do not reach.
@@ -237,7 +244,7 @@ pub fn kink_remarks(assembly: &Assembly<'_>, diagnostics: &mut Vec<Diagnostic>) 
 /// of the section that no member has.
 fn plate_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
     let mut start = 0;
-    for piece in model.elements.chunk_by(|a, b| model.sections[a.section] == model.sections[b.section]) {
+    for piece in model.elements.chunk_by(|a, b| runs_on(model, a, b)) {
         let (section, end) = (&model.sections[piece[0].section], start + piece.len());
         let beside = [start.checked_sub(1), Some(end)].map(|i| model.elements.get(i?));
         let shaft = beside.into_iter().flatten().map(|e| model.sections[e.section].outer_size());

@@ -36,7 +36,8 @@ const POSITIVE: [(&str, &[&str]); 13] = [
 ];
 
 /// Zero or more.
-const NOT_NEGATIVE: [(&str, &[&str]); 6] = [
+const NOT_NEGATIVE: [(&str, &[&str]); 7] = [
+    ("Segment", &["added_mass_per_length"]),
     ("MaterialDamping", &["stiffness", "mass"]),
     ("Section", &["inner_radius", "inner_diameter", "inner_semi_axis_y", "inner_semi_axis_z"]),
     ("Disk", &["polar_inertia", "diametral_inertia", "inner_radius", "inner_diameter"]),
@@ -124,7 +125,7 @@ pub fn schema() -> Value {
         "Disk",
         "anyOf",
         json!([
-            given(&["mass", "polar_inertia", "diametral_inertia"]),
+            given(&["mass"]),
             given(&["radius", "thickness", "rho"]),
             given(&["diameter", "thickness", "rho"])
         ]),

@@ -3,8 +3,8 @@
 use crate::case::bearing_table::TableInput;
 use crate::section::Surface;
 use crate::units::{
-    Damping, Density, Force, Inertia, Length, Mass, Matrix, Moment, Rate, Stiffness, Stress, TiltDamping,
-    TiltStiffness, Time,
+    Damping, Density, Force, Inertia, Length, LinearDensity, Mass, Matrix, Moment, Rate, Stiffness, Stress,
+    TiltDamping, TiltStiffness, Time,
 };
 use schemars::JsonSchema;
 use serde::de::{self, IntoDeserializer};
@@ -193,10 +193,34 @@ pub struct Segment {
     pub elements: u64,
     /// Name of a section.
     pub section: String,
+    /// Name of the section at the right end of a taper: all lengths go linearly from those of `section` to those of this one,
+    /// which has the same shape (circle and tube are one). Elements 34X1 .. 34X5; by default `section` all along.
+    pub to_section: Option<String>,
     /// Name of a material.
     pub material: String,
     /// Element of this segment, when it differs from the shaft's.
     pub element: Option<String>,
+    /// Mass per length that carries no load (laminations, windings, sleeves): it moves with the mean displacement of each
+    /// section and has no inertia about axes within it. External damping of the material acts on it, too.
+    pub added_mass_per_length: Option<LinearDensity>,
+    /// Axial force that the segment carries at rest, tension positive: uniform initial stress P/A in modes and campbell. Its
+    /// direction stays. Refused by static and spinup: there forces are loads.
+    pub axial_force: Option<Force>,
+    /// Torque that a segment of round sections carries at rest, that of its right face along +x positive: initial shear T r/J in
+    /// modes and campbell, the shear on its faces keeps its direction (semi-tangential). Refused by static and spinup.
+    pub torque: Option<Moment>,
+    /// How its left end meets the segment before: as one body where their sections overlap (default), or by a thin "face" that
+    /// stays plane and undistorted and may widen as a whole, for sections that need not overlap.
+    pub joint: Option<JointInput>,
+}
+
+/// How a segment meets the one before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(rename = "Joint")]
+pub enum JointInput {
+    /// By a thin face that keeps both sections plane.
+    Face,
 }
 
 /// How a disk holds the shaft.
@@ -221,7 +245,7 @@ pub enum Hub {
 pub struct DiskInput {
     /// Position along the shaft.
     pub at: Length,
-    /// Mass (with polar_inertia and diametral_inertia).
+    /// Mass (with polar_inertia and diametral_inertia; alone it is a point mass).
     pub mass: Option<Mass>,
     /// Inertia about the shaft axis.
     pub polar_inertia: Option<Inertia>,

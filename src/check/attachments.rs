@@ -27,7 +27,7 @@ impl Input<'_> {
             ("inner_diameter", d.inner_diameter.is_some()),
             ("thickness_inertia", d.thickness_inertia.is_some()),
         ];
-        let allowed = "either mass, polar_inertia, diametral_inertia; or radius (or diameter), thickness, rho (and inner_radius or inner_diameter, thickness_inertia)";
+        let allowed = "either mass, polar_inertia, diametral_inertia, or mass alone for a point; or radius (or diameter), thickness, rho (and inner_radius or inner_diameter, thickness_inertia)";
         let first = |keys: &[(&'static str, bool)]| keys.iter().find(|k| k.1).map(|k| k.0);
         match (first(&by_inertia), first(&by_geometry)) {
             (Some(_), Some(key)) => {
@@ -35,6 +35,9 @@ impl Input<'_> {
             }
             (None, None) => self.fault(&format!("disks.{i}"), "the disk has no mass", allowed),
             (Some(_), None) => {
+                if let (Some(m), None, None) = (d.mass, d.polar_inertia, d.diametral_inertia) {
+                    return Ok([self.positive(&at("mass"), m.0)?, 0.0, 0.0]);
+                }
                 let (Some(m), Some(p), Some(t)) = (d.mass, d.polar_inertia, d.diametral_inertia) else {
                     let missing = by_inertia.iter().find(|k| !k.1).map_or("mass", |k| k.0);
                     return self.fault(&at(missing), format!("the disk's \"{missing}\" is missing"), allowed);

@@ -42,6 +42,19 @@ pub struct Demands {
 /// `(n r / L)`: the warping by shear that quadratic, and by its own change that cubic functions lack.
 const BENDING: [(f64, i32); 2] = [(0.32, 2), (0.9, 4)];
 
+/// The member that suits a taper between two sections: that of the larger one if both are solid.
+pub fn choose_taper(faces: [&Section; 2], demands: Demands) -> Choice {
+    if faces.iter().any(|face| face.is_hollow()) {
+        return Choice {
+            basis: SectionBasis::Monomials(5),
+            reason: "hollow and tapered: the functions of a ring belong to one section",
+            estimate: HOLLOW,
+        };
+    }
+    let [a, b] = faces;
+    choose(if a.outer_size() >= b.outer_size() { a } else { b }, demands)
+}
+
 /// The member that suits a section.
 pub fn choose(section: &Section, demands: Demands) -> Choice {
     if section.is_ring() {

@@ -61,6 +61,13 @@ impl Input<'_> {
                 loads.push(Load { node, kind, acts_on, reading, path });
             }
             let Some(surface) = load.surface else { continue };
+            if mesh.elements.iter().any(|e| e.is_tapered()) {
+                return self.fault(
+                    &format!("{path}.surface"),
+                    "loads on the surface of a shaft with tapered segments are not in this version",
+                    "forces and moments \"at\" a place; or a shaft without to_section",
+                );
+            }
             if surface == Surface::Bore && !mesh.elements.iter().any(|e| sections[e.section].is_hollow()) {
                 return self.fault(
                     &format!("{path}.surface"),
@@ -120,8 +127,11 @@ impl Input<'_> {
                 );
             }
             let element = mesh.element_at(probe.at.0);
-            let section = &sections[element.map_or(0, |e| e.section)];
-            let Section { shape, outer: [cy, cz], inner } = *section;
+            let section = element.map_or(sections[0], |e| {
+                let [left, right] = e.faces.map(|face| &sections[face]);
+                left.between(right, ((probe.at.0 - e.x) / e.length).clamp(0.0, 1.0))
+            });
+            let Section { shape, outer: [cy, cz], inner } = section;
             // the functions of a ring mean nothing in the bore
             let ring = element.is_some_and(|e| e.kind.basis.is_ring());
             let points = match (probe.line, probe.points) {

@@ -1,7 +1,7 @@
 //! Elements and nodes along the shaft: segments laid end to end, cut where something stands.
 
 use crate::check::steps::{Neighbour, Steps, most};
-use crate::model::{Element, ElementKind, Field, Node};
+use crate::model::{Carried, Element, ElementKind, Field, Node};
 use crate::section::Section;
 use crate::section::kinks::Kinks;
 
@@ -25,8 +25,25 @@ pub struct SegmentPlan {
     pub effort: usize,
     /// Index of its section.
     pub section: usize,
+    /// Index of the section at its right end; that of a taper is another one.
+    pub to_section: usize,
     /// Index of its material.
     pub material: usize,
+    /// Added mass and initial stress.
+    pub carried: Carried,
+    /// Joined to the segment before by a thin face.
+    pub face: bool,
+}
+
+impl SegmentPlan {
+    /// Sections of the left and the right end.
+    fn faces<'a>(&self, sections: &'a [Section]) -> [&'a Section; 2] {
+        [&sections[self.section], &sections[self.to_section]]
+    }
+
+    fn is_tapered(&self) -> bool {
+        self.section != self.to_section
+    }
 }
 
 /// Elements and nodes from left to right.
@@ -36,6 +53,10 @@ pub struct Mesh {
     pub elements: Vec<Element>,
     /// Nodes from x = 0 on.
     pub nodes: Vec<Node>,
+    /// The sections of the segments, and those between them along tapers.
+    pub sections: Vec<Section>,
+    /// For every section along a taper those of the ends of its segment.
+    pub between: Vec<[usize; 2]>,
 }
 
 impl Mesh {
@@ -50,9 +71,17 @@ impl Mesh {
         (positions, plain): (&[f64], &[f64]),
         length: f64,
     ) -> Self {
-        let mut mesh = Self { elements: Vec::new(), nodes: Vec::new() };
+        let mut mesh = Self {
+            elements: Vec::new(),
+            nodes: Vec::new(),
+            sections: sections.to_vec(),
+            between: Vec::new(),
+        };
         let mut start = 0.0;
         for (segment, plan) in plans.iter().enumerate() {
+            if let Some(node) = mesh.nodes.last_mut() {
+                node.face = plan.face;
+            }
             let (steps, before) = steps(plans, sections, segment, plain, start);
             let graded = steps.cuts.iter().map(|x| start + x - before);
             let end = start + plan.length;
@@ -65,11 +94,23 @@ impl Mesh {
             cuts.sort_by(f64::total_cmp);
             cuts.dedup_by(|a, b| *a - *b <= same);
             let pieces: Vec<(f64, f64)> = cuts.windows(2).map(|c| (c[0], c[1])).collect();
+            let mut left = plan.section;
             for (&(a, b), count) in pieces.iter().zip(share(&pieces, plan.elements + graded.len() as u64)) {
                 let kinks = steps.kinks(a - start + before, b - start + before);
                 for k in 0..count {
                     let at = |k: u64| a + (b - a) * k as f64 / count as f64;
-                    mesh.push((plan, kinks), sections, at(k), (b - a) / count as f64);
+                    let length = (b - a) / count as f64;
+                    let last = b == end && k + 1 == count;
+                    let part = |x: f64| (x - start) / plan.length;
+                    let right = if last { plan.to_section } else { mesh.along(plan, part(at(k) + length)) };
+                    let section = mesh.along(plan, part(at(k) + length / 2.0));
+                    let kinks = if plan.is_tapered() {
+                        kinks.within([left, right].map(|face| &mesh.sections[face]))
+                    } else {
+                        kinks
+                    };
+                    mesh.push((plan, kinks), ([left, right], section), at(k), length);
+                    left = right;
                 }
             }
             start = end;
@@ -77,8 +118,26 @@ impl Mesh {
         mesh
     }
 
-    fn push(&mut self, (plan, kinks): (&SegmentPlan, Kinks), sections: &[Section], x: f64, length: f64) {
-        let (kind, section, material) = (plan.kind, plan.section, plan.material);
+    /// Index of the section at a part (0 to 1) of a segment, which a taper adds to the list.
+    fn along(&mut self, plan: &SegmentPlan, part: f64) -> usize {
+        if !plan.is_tapered() {
+            return plan.section;
+        }
+        let [left, right] = plan.faces(&self.sections);
+        let section = left.between(right, part);
+        self.sections.push(section);
+        self.between.push([plan.section, plan.to_section]);
+        self.sections.len() - 1
+    }
+
+    fn push(
+        &mut self,
+        (plan, kinks): (&SegmentPlan, Kinks),
+        (faces, section): ([usize; 2], usize),
+        x: f64,
+        length: f64,
+    ) {
+        let (kind, material, sections) = (plan.kind, plan.material, &self.sections);
         let field = Field { basis: kind.basis, kinks, section };
         let mut follows = [false; 2];
         match (self.nodes.last_mut(), self.elements.last_mut()) {
@@ -91,14 +150,25 @@ impl Mesh {
                 }
             }
             (Some(_), _) => {}
-            (None, _) => self.nodes.push(Node { x, field, follower: None }),
+            (None, _) => self.nodes.push(Node { x, field, follower: None, face: false }),
         }
         let first_node = self.nodes.len() - 1;
         for i in 1..=kind.axial_degree {
             let x = x + length * i as f64 / kind.axial_degree as f64;
-            self.nodes.push(Node { x, field, follower: None });
+            self.nodes.push(Node { x, field, follower: None, face: false });
         }
-        self.elements.push(Element { x, length, first_node, kind, kinks, section, material, follows });
+        self.elements.push(Element {
+            x,
+            length,
+            first_node,
+            kind,
+            kinks,
+            section,
+            faces,
+            material,
+            carried: plan.carried,
+            follows,
+        });
     }
 
     /// The element end nearest to a position (which was among those given to [`Mesh::new`]).
@@ -107,10 +177,9 @@ impl Mesh {
         ends.min_by(|&a, &b| (self.nodes[a].x - x).abs().total_cmp(&(self.nodes[b].x - x).abs())).unwrap_or(0)
     }
 
-    /// Sections of the elements that meet at an element end.
+    /// Sections of the elements that meet at an element end, there.
     pub fn sections_at(&self, node: usize) -> impl Iterator<Item = usize> {
-        let meets = move |e: &&Element| e.first_node == node || e.first_node + e.kind.axial_degree == node;
-        self.elements.iter().filter(meets).map(|e| e.section)
+        self.elements.iter().filter_map(move |e| e.face_at(node))
     }
 
     /// The element that holds a position.
@@ -132,15 +201,17 @@ fn steps(
     if plan.effort == 0 {
         return (Steps::default(), 0.0);
     }
-    let same = |p: &&SegmentPlan| sections[p.section] == sections[plan.section];
+    let same = |p: &&SegmentPlan| {
+        !p.is_tapered() && !plan.is_tapered() && sections[p.section] == sections[plan.section]
+    };
     let before: Vec<&SegmentPlan> = plans[..segment].iter().rev().take_while(same).collect();
     let after: Vec<&SegmentPlan> = plans[segment + 1..].iter().take_while(same).collect();
-    let neighbour = |i: Option<usize>| {
+    let neighbour = |i: Option<usize>, face: usize| {
         let other = plans.get(i?)?;
         // both sides of a step take the same kinks
         let effort = if other.effort == 0 { plan.effort } else { plan.effort.max(other.effort) };
         let effort = effort.min(most(plan.kind.basis)).min(most(other.kind.basis));
-        Some(Neighbour { section: &sections[other.section], effort })
+        Some(Neighbour { section: other.faces(sections)[face], effort })
     };
     let start: f64 = before.iter().map(|p| p.length).sum();
     let length = start + plan.length + after.iter().map(|p| p.length).sum::<f64>();
@@ -148,9 +219,9 @@ fn steps(
     let same_place = |a: f64, b: f64| (a - b).abs() <= SAME_PLACE_PER_LENGTH * plan.length;
     let kinked = |face: &f64| !plain.iter().any(|x| same_place(*x, *face));
     let beside = [segment.checked_sub(before.len() + 1), Some(segment + after.len() + 1)];
-    let neighbours = [0, 1].map(|i| neighbour(beside[i].filter(|_| kinked(&faces[i]))));
+    let neighbours = [0, 1].map(|i| neighbour(beside[i].filter(|_| kinked(&faces[i])), 1 - i));
     let longest = plan.length / plan.elements as f64;
-    (Steps::new(&sections[plan.section], neighbours, length, longest), start)
+    (Steps::new(plan.faces(sections), neighbours, length, longest), start)
 }
 
 /// True when the vectors of two sides multiply the same functions.
@@ -199,7 +270,17 @@ mod tests {
     fn plan(length: f64, elements: u64, order: usize) -> SegmentPlan {
         let kind =
             ElementKind { axial_degree: 3, basis: SectionBasis::Monomials(order), law: Law::Continuum };
-        SegmentPlan { length, elements, kind, effort: 0, section: 0, material: 0 }
+        SegmentPlan {
+            length,
+            elements,
+            kind,
+            effort: 0,
+            section: 0,
+            to_section: 0,
+            material: 0,
+            carried: Carried::default(),
+            face: false,
+        }
     }
 
     fn ends(mesh: &Mesh) -> Vec<f64> {

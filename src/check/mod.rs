@@ -16,7 +16,7 @@ mod spinup;
 pub mod steps;
 
 use crate::case::{self, Case, LoadedCase, nearest};
-use crate::check::element_choice::{Choice, Demands, choose, level};
+use crate::check::element_choice::{Choice, Demands, choose, choose_taper, level};
 use crate::check::memory::{memory, mesh_memory};
 use crate::check::mesh::{Mesh, SHORTEST_SEGMENT_PER_LENGTH, SegmentPlan};
 use crate::check::response::Attached;
@@ -24,7 +24,7 @@ use crate::check::steps::FINEST;
 use crate::error::Result;
 use crate::instructions::Instructions;
 use crate::model::ElementChoice;
-use crate::model::{Element, ElementKind, Hub, Law, Material, Model, Names};
+use crate::model::{Carried, Element, ElementKind, Hub, Law, Material, Model, Names};
 use crate::section::basis::SectionBasis;
 use crate::section::{Section, Shape};
 
@@ -44,7 +44,7 @@ impl Model {
         let (sections, section_names) = input.sections()?;
         let (mut plans, choices) =
             input.segments((&sections, &section_names), (&materials, &material_names))?;
-        let kept = used(plans.iter_mut().map(|p| &mut p.section).collect());
+        let kept = used(plans.iter_mut().flat_map(|p| [&mut p.section, &mut p.to_section]).collect());
         let names_of = |all: &[String], kept: &[usize]| kept.iter().map(|&i| all[i].clone()).collect();
         let mut names = Names { sections: names_of(&section_names, &kept), ..Names::default() };
         let sections: Vec<Section> = kept.into_iter().map(|i| sections[i]).collect();
@@ -54,6 +54,10 @@ impl Model {
         let length: f64 = plans.iter().map(|p| p.length).sum();
         let places = input.fixed_positions(length)?;
         let mesh = input.mesh(&plans, &sections, &places, length)?;
+        let ends = |[a, b]: &[usize; 2]| format!("{} to {}", names.sections[*a], names.sections[*b]);
+        let between: Vec<String> = mesh.between.iter().map(ends).collect();
+        names.sections.extend(between);
+        let sections = mesh.sections.clone();
         let disks = input.disks(&mesh, &sections)?;
         let (supports, bearings) = input.supports(&mesh, &sections)?;
         let (loads, tractions) = input.loads(&mesh, &sections)?;
@@ -90,6 +94,7 @@ impl Model {
             materials,
             sections,
             names,
+            initial_stress: input.initial_stress(),
             choices,
             snapped: snapped(&mesh, &places, length),
             elements: mesh.elements,
@@ -256,15 +261,21 @@ impl Input<'_> {
         let (mut fixed, mut chosen) = (Vec::new(), Vec::new());
         for (i, segment) in shaft.segments.iter().enumerate() {
             let at = |key: &str| format!("shaft.segments.{i}.{key}");
-            let shape = &shapes[self.named(&at("section"), "section", &segment.section, sections)?];
+            let faces = self.faces(i, segment, (shapes, sections))?;
+            let [shape, end] = faces.map(|face| &shapes[face]);
             let asked = named(&at("element"), &segment.element)?.or(default);
-            let unasked = || (!shape.is_hollow()).then_some(continuum(SectionBasis::Monomials(3)));
+            let solid = !shape.is_hollow() && !end.is_hollow();
+            let unasked = || solid.then_some(continuum(SectionBasis::Monomials(3)));
             let (asked, effort) =
                 asked.map_or_else(|| (unasked(), Some(0)), |asked| (asked.kind, asked.effort));
             let material = self.named(&at("material"), "material", &segment.material, material_names)?;
             let demands = Demands { poisson_ratio: materials[material].poisson_ratio, ..demands };
-            chosen.push(asked.is_none().then(|| (choose(shape, demands), *shape, demands.poisson_ratio)));
-            fixed.push((asked, effort, *shape, segment.length.0));
+            let choice = || match faces[0] == faces[1] {
+                true => choose(shape, demands),
+                false => choose_taper([shape, end], demands),
+            };
+            chosen.push(asked.is_none().then(|| (choice(), *shape, demands.poisson_ratio)));
+            fixed.push((asked, effort, [*shape, *end], segment.length.0));
         }
         let ends: Vec<_> = fixed.iter().map(|f| (f.1, f.2, f.3)).collect();
         let wanted = steps::efforts(&ends);
@@ -340,6 +351,62 @@ impl Input<'_> {
         Ok(shaft)
     }
 
+    /// The sections of the ends of a segment.
+    fn faces(
+        &self,
+        i: usize,
+        segment: &case::Segment,
+        (shapes, sections): (&[Section], &[String]),
+    ) -> Result<[usize; 2]> {
+        let at = |key: &str| format!("shaft.segments.{i}.{key}");
+        let section = self.named(&at("section"), "section", &segment.section, sections)?;
+        let Some(name) = &segment.to_section else { return Ok([section; 2]) };
+        let to_section = self.named(&at("to_section"), "section", name, sections)?;
+        if shapes[section].shape != shapes[to_section].shape {
+            return self.fault(
+                &at("to_section"),
+                "a taper has one shape from end to end",
+                "a section of the shape of \"section\": round (circle, tube, ellipse) or rectangle",
+            );
+        }
+        Ok(if shapes[section] == shapes[to_section] { [section; 2] } else { [section, to_section] })
+    }
+
+    /// Added mass and initial stress of a segment.
+    fn carried(&self, i: usize, segment: &case::Segment, faces: [&Section; 2]) -> Result<Carried> {
+        let at = |key: &str| format!("shaft.segments.{i}.{key}");
+        let carried = Carried {
+            added_mass: segment.added_mass_per_length.map_or(0.0, |m| m.0),
+            axial_force: segment.axial_force.map_or(0.0, |f| f.0),
+            torque: segment.torque.map_or(0.0, |t| t.0),
+        };
+        self.not_negative(&at("added_mass_per_length"), carried.added_mass)?;
+        self.within(&at("axial_force"), carried.axial_force.abs(), 0.0, LARGEST_SI)?;
+        self.within(&at("torque"), carried.torque.abs(), 0.0, LARGEST_SI)?;
+        if carried.torque != 0.0 && !faces.iter().all(|face| face.is_axisymmetric()) {
+            return self.fault(
+                &at("torque"),
+                "the initial shear of a torque is that of round sections",
+                "circles or tubes on this segment; or no torque",
+            );
+        }
+        Ok(carried)
+    }
+
+    /// Path of the first axial force or torque.
+    fn initial_stress(&self) -> Option<String> {
+        let segments = self.case.shaft.iter().flat_map(|s| &s.segments).enumerate();
+        let of = |(i, s): (usize, &case::Segment)| {
+            let keys = [
+                ("axial_force", s.axial_force.is_some_and(|f| f.0 != 0.0)),
+                ("torque", s.torque.is_some_and(|t| t.0 != 0.0)),
+            ];
+            let key = keys.iter().find(|key| key.1)?.0;
+            Some(format!("shaft.segments.{i}.{key}"))
+        };
+        segments.filter_map(of).next()
+    }
+
     fn segments(
         &self,
         (shapes, sections): (&[Section], &[String]),
@@ -353,8 +420,15 @@ impl Input<'_> {
             if segment.elements == 0 {
                 return self.fault(&at("elements"), "a segment needs elements", "at least 1");
             }
-            let section = self.named(&at("section"), "section", &segment.section, sections)?;
+            let [section, to_section] = self.faces(i, segment, (shapes, sections))?;
             let shape = &shapes[section];
+            if section != to_section && (kind.basis.is_ring() || kind.law != Law::Continuum) {
+                return self.fault(
+                    &at("to_section"),
+                    format!("{} has functions or constants of one section and takes no taper", kind.name()),
+                    "\"element\" 34X1 .. 34X5 on this segment; or no to_section",
+                );
+            }
             if kind.basis.is_ring() && !shape.is_ring() {
                 let name = kind.name();
                 let (problem, remedy) = if !shape.is_hollow() {
@@ -383,12 +457,22 @@ impl Input<'_> {
                     "3333c: solid circle or rectangle; 3333s: solid circle; else an element 34X1 .. 34X5",
                 );
             }
+            if i == 0 && segment.joint.is_some() {
+                return self.fault(
+                    &at("joint"),
+                    "the first segment has none before it to be joined to",
+                    "\"joint\" on the segment on the right of the joint",
+                );
+            }
             plans.push(SegmentPlan {
+                face: segment.joint == Some(case::JointInput::Face),
+                carried: self.carried(i, segment, [shape, &shapes[to_section]])?,
                 length: self.length(&at("length"), segment.length.0)?,
                 elements: segment.elements,
                 kind,
                 effort,
                 section,
+                to_section,
                 material: self.named(&at("material"), "material", &segment.material, materials)?,
             });
         }
@@ -401,12 +485,12 @@ impl Input<'_> {
                 format!("at least {SHORTEST_SEGMENT_PER_LENGTH:e} of the shaft"),
             );
         }
-        for (i, pair) in plans.windows(2).enumerate() {
-            if shapes[pair[0].section].common(&shapes[pair[1].section]).is_none() {
+        for (i, pair) in plans.windows(2).enumerate().filter(|(_, pair)| !pair[1].face) {
+            if shapes[pair[0].to_section].common(&shapes[pair[1].section]).is_none() {
                 return self.fault(
                     &format!("shaft.segments.{}.section", i + 1),
                     "this section has nothing in common with the one before it",
-                    "neighbouring sections whose walls overlap",
+                    "neighbouring sections whose walls overlap; or \"joint\": \"face\" on this segment (a rigid thin face)",
                 );
             }
         }
@@ -464,7 +548,13 @@ impl Input<'_> {
         }
         // a grip that has no limit as sections deform more freely
         let disks = self.case.disks.iter().filter(|d| d.hub != Hub::Rigid);
-        let plain: Vec<f64> = disks.map(|d| d.at.0).collect();
+        let mut plain: Vec<f64> = disks.map(|d| d.at.0).collect();
+        // a thin face keeps both sides plane
+        let mut start = 0.0;
+        for plan in plans {
+            plain.extend(plan.face.then_some(start));
+            start += plan.length;
+        }
         Ok(Mesh::new(plans, sections, (&positions, &plain), length))
     }
 

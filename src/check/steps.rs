@@ -86,10 +86,17 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// The steps of a piece between neighbours; `longest` is the length of an element (m) that was asked for.
-    pub fn new(own: &Section, neighbours: [Option<Neighbour<'_>>; 2], length: f64, longest: f64) -> Self {
-        let zones = neighbours.map(|other| zone(own, other?.section, other?.effort));
-        Self { cuts: cuts(length, longest.min(LONGEST * own.outer_size()), &zones), zones, length }
+    /// The steps of a piece between neighbours; `own` are the sections of its ends, `longest` is the length of an element (m)
+    /// that was asked for.
+    pub fn new(
+        own: [&Section; 2],
+        neighbours: [Option<Neighbour<'_>>; 2],
+        length: f64,
+        longest: f64,
+    ) -> Self {
+        let zones = [0, 1].map(|i| zone(own[i], neighbours[i]?.section, neighbours[i]?.effort));
+        let size = own[0].outer_size().min(own[1].outer_size());
+        Self { cuts: cuts(length, longest.min(LONGEST * size), &zones), zones, length }
     }
 
     /// The kinks between two places, measured from the left end of the piece.
@@ -154,16 +161,21 @@ pub fn most(basis: SectionBasis) -> usize {
     }
 }
 
+/// A segment as steps see it: the effort that is asked for, the sections of its ends, and its length, m.
+pub type Stretch = (Option<usize>, [Section; 2], f64);
+
 /// The effort of every segment; where none is asked for, one that suits the steps at the ends of the piece of one section
 /// that it belongs to.
-pub fn efforts(segments: &[(Option<usize>, Section, f64)]) -> Vec<usize> {
+pub fn efforts(segments: &[Stretch]) -> Vec<usize> {
     let mut list = Vec::with_capacity(segments.len());
-    for piece in segments.chunk_by(|a, b| a.1 == b.1) {
+    for piece in segments.chunk_by(|a, b| a.1[0] == a.1[1] && a.1 == b.1) {
         let (first, own) = (list.len(), &piece[0].1);
         let length = piece.iter().map(|s| s.2).sum();
         let neighbours = [first.checked_sub(1), Some(first + piece.len())];
-        let suits = |i: usize| segments.get(i).map_or(0, |other| suits(own, &other.1, length));
-        let automatic = neighbours.into_iter().flatten().map(suits).max().unwrap_or(0);
+        let suits =
+            |(end, i): (usize, usize)| segments.get(i).map_or(0, |s| suits(&own[end], &s.1[1 - end], length));
+        let beside = neighbours.into_iter().enumerate().filter_map(|(end, i)| Some((end, i?)));
+        let automatic = beside.map(suits).max().unwrap_or(0);
         list.extend(piece.iter().map(|s| s.0.unwrap_or(automatic)));
     }
     list
@@ -223,14 +235,13 @@ fn suits(own: &Section, other: &Section, length: f64) -> usize {
 }
 
 /// Largest error that the steps at the ends of a segment leave at the efforts of both sides; 0 without steps.
-pub fn estimate(segments: &[(Option<usize>, Section, f64)], efforts: &[usize], i: usize) -> f64 {
-    let own = &segments[i].1;
-    let of = |j: Option<usize>| {
-        let other = &segments.get(j?)?.1;
+pub fn estimate(segments: &[Stretch], efforts: &[usize], i: usize) -> f64 {
+    let of = |(end, j): (usize, Option<usize>)| {
+        let (own, other) = (&segments[i].1[end], &segments.get(j?)?.1[1 - end]);
         let common = shared(own, other)?;
         Some(error_left(height(own, &common).max(height(other, &common)), efforts[i].min(efforts[j?])))
     };
-    [i.checked_sub(1), Some(i + 1)].into_iter().filter_map(of).fold(0.0, f64::max)
+    [i.checked_sub(1), Some(i + 1)].into_iter().enumerate().filter_map(of).fold(0.0, f64::max)
 }
 
 /// What a step asks of one of its sides; `None` where there is none, or none that kinks can follow.
@@ -339,7 +350,7 @@ mod tests {
         let [thin, thick, tube] = [Section::circle(1.0), Section::circle(2.0), Section::tube(1.0, 0.5)];
         let radii = |a, b, effort| -> Vec<(f64, usize, bool)> {
             let neighbour = Neighbour { section: b, effort };
-            let steps = Steps::new(a, [Some(neighbour), None], 10.0, 1.0);
+            let steps = Steps::new([a, a], [Some(neighbour), None], 10.0, 1.0);
             steps.kinks(0.0, 0.1).iter().map(|k| (k.radius, k.degree, k.inward)).collect()
         };
         assert_eq!(radii(&thick, &thin, 2), [(1.0, 2, false)]);

@@ -67,6 +67,21 @@ impl AxialProducts {
         }
     }
 
+    /// The share of one station at xi with a weight of a rule on [-1, 1].
+    pub fn at_station(degree: usize, length: f64, (xi, weight): (f64, f64)) -> Self {
+        let plain = lagrange(degree);
+        let values: Vec<f64> = plain.iter().map(|l| evaluate(l, xi)).collect();
+        let slopes: Vec<f64> = plain.iter().map(|l| evaluate(&derivative(l), xi) * 2.0 / length).collect();
+        let products =
+            |f: &[f64], g: &[f64]| Mat::from_fn(f.len(), g.len(), |i, j| weight * length / 2.0 * f[i] * g[j]);
+        Self {
+            products: [
+                [products(&values, &values), products(&values, &slopes)],
+                [products(&slopes, &values), products(&slopes, &slopes)],
+            ],
+        }
+    }
+
     /// `int L_i^(a) L_j^(b) dx`; `true` stands for the derivative by x.
     pub fn get(&self, a: bool, b: bool) -> &Mat<f64> {
         &self.products[a as usize][b as usize]

@@ -7,8 +7,11 @@
 use crate::element::Kernel;
 use crate::element::cells::{cells, degrees, on_ring};
 use crate::element::kernel::simd::Scratch;
+use crate::element::kernel::stations::Stations;
 use crate::element::polynomial::NonlinearElement;
+use crate::element::quadrature::gauss;
 use crate::element::ring::{Over, RingElement};
+use crate::element::taper;
 use crate::instructions::Instructions;
 use crate::model::{ElementKind, Material, Quadrature};
 use crate::section::Section;
@@ -28,16 +31,21 @@ pub struct KinkedElement {
 }
 
 impl KinkedElement {
-    /// Tables for an element of the given length (m) on a round section; `reference_length` is R (m).
+    /// Tables for an element of the given length (m) on a round section, that of both faces or changing linearly between them;
+    /// `reference_length` is R (m).
+    ///
+    /// A ring of a taper that changes along it is integrated station by station, each with the ring that is there.
     pub fn new(
         (kind, kinks): (ElementKind, &Kinks),
-        section: &Section,
+        faces: [&Section; 2],
         material: &Material,
         length: f64,
         reference_length: f64,
         (quadrature, instructions): (Quadrature, Instructions),
     ) -> Self {
+        let section = faces[0];
         let (core, rings) = cells(section, kinks);
+        let ends = cells(faces[1], kinks).1;
         let (degree, harmonics) = degrees(kind.basis, kinks);
         let n_vectors = kind.n_vectors() + kinks.count();
         let cell = |kernel: Box<dyn Kernel>, vectors: Vec<usize>| {
@@ -49,15 +57,27 @@ impl KinkedElement {
             let element = NonlinearElement::new(kind, &core, material, length, reference_length, quadrature);
             cell(Box::new(element.with_instructions(instructions)), (0..kind.n_vectors()).collect())
         };
-        let of_ring = |ring: Section| {
-            let all = on_ring(kind.basis, kinks, section, &ring, reference_length);
+        let at_stations = |ring: &Section, points: &[(f64, f64)]| {
+            let all = on_ring(kind.basis, kinks, section, ring, reference_length);
             let vectors: Vec<usize> = (0..n_vectors).filter(|&k| !all[k].is_empty()).collect();
             let functions = all.into_iter().filter(|terms| !terms.is_empty()).collect();
-            let over = Over { section: &ring, degree, harmonics, functions };
-            let element = RingElement::of_functions(kind.axial_degree, over, material, length, quadrature);
+            let over = Over { section: ring, degree, harmonics, functions };
+            let stations = Stations::of(kind.axial_degree, length, points);
+            let element = RingElement::of_functions(stations, over, material, quadrature);
             cell(Box::new(element.with_instructions(instructions)), vectors)
         };
-        let cells = core.into_iter().map(of_core).chain(rings.into_iter().map(of_ring)).collect();
+        let of_ring = |(left, right): (Section, Section)| {
+            if left == right {
+                // the integrand holds four factors of the axial degree
+                let count = quadrature.axial.unwrap_or(2 * kind.axial_degree + 1);
+                return vec![at_stations(&left, &gauss(count))];
+            }
+            let count = quadrature.axial.unwrap_or(taper::nonlinear_stations(kind, kinks));
+            let station = |point: (f64, f64)| at_stations(&taper::at([&left, &right], point.0), &[point]);
+            gauss(count).into_iter().map(station).collect()
+        };
+        let rings = rings.into_iter().zip(ends).flat_map(of_ring);
+        let cells = core.into_iter().map(of_core).chain(rings).collect();
         Self { size: 3 * kind.n_nodes() * n_vectors, cells }
     }
 

@@ -7,6 +7,7 @@
 
 pub mod basis;
 pub mod boundary_curve;
+pub mod carried;
 pub mod cells;
 pub mod continuum;
 pub mod fields;
@@ -19,8 +20,9 @@ pub mod quadrature;
 pub mod ring;
 pub mod ring_functions;
 pub mod structural_3333s;
+pub mod taper;
 
-use crate::model::{ElementKind, Law, Material};
+use crate::model::{Carried, ElementKind, Law, Material};
 use crate::section::Section;
 use crate::section::kinks::Kinks;
 use faer::Mat;
@@ -64,6 +66,8 @@ pub struct ElementMatrices {
     pub spin_softening: Mat<f64>,
     /// `K0`, the stiffness about the undeformed state, symmetric; N/m.
     pub stiffness: Mat<f64>,
+    /// Geometric stiffness of the initial stress, symmetric, N/m; `None` without one.
+    pub initial_stress: Option<Mat<f64>>,
 }
 
 impl ElementMatrices {
@@ -87,29 +91,85 @@ impl ElementMatrices {
         reference_length: f64,
     ) -> Self {
         let plane = basis::SectionProducts::with_kinks(kind.basis, kinks, section, reference_length);
-        Self::on(&plane, kind, section, material, length)
+        Self::on(&plane, kind, (section, material), &Carried::default(), length)
     }
 
     /// Matrices of an element on a section whose products are there.
     pub fn on(
         plane: &basis::SectionProducts,
         kind: ElementKind,
-        section: &Section,
-        material: &Material,
+        of: (&Section, &Material),
+        carried: &Carried,
         length: f64,
     ) -> Self {
         let axial = basis::AxialProducts::new(kind.axial_degree, length);
+        Self::along(&axial, plane, kind, of, carried)
+    }
+
+    /// Matrices of an element whose section changes linearly from its left to its right face: at as many stations as make the
+    /// integrals along it exact, each with the products of its own section. Source: docs/theory/elements.md#tapers.
+    pub fn tapered(
+        (kind, kinks): (ElementKind, &Kinks),
+        (faces, material): ([&Section; 2], &Material),
+        carried: &Carried,
+        length: f64,
+        reference_length: f64,
+    ) -> Self {
+        let mut sum: Option<Self> = None;
+        for station in quadrature::gauss(taper::linear_stations(kind, kinks)) {
+            let section = taper::at(faces, station.0);
+            let plane = basis::SectionProducts::with_kinks(kind.basis, kinks, &section, reference_length);
+            let axial = basis::AxialProducts::at_station(kind.axial_degree, length, station);
+            let part = Self::along(&axial, &plane, kind, (&section, material), carried);
+            match &mut sum {
+                None => sum = Some(part),
+                Some(sum) => sum.add(&part),
+            }
+        }
+        sum.unwrap_or_else(|| Self::with_kinks((kind, kinks), faces[0], material, length, reference_length))
+    }
+
+    fn add(&mut self, part: &Self) {
+        self.mass += &part.mass;
+        self.gyroscopic += &part.gyroscopic;
+        self.spin_softening += &part.spin_softening;
+        self.stiffness += &part.stiffness;
+        if let (Some(sum), Some(part)) = (&mut self.initial_stress, &part.initial_stress) {
+            *sum += part;
+        }
+    }
+
+    /// Stiffness at rest with that of the initial stress, N/m.
+    pub fn stiffness_at_rest(&self) -> Mat<f64> {
+        match &self.initial_stress {
+            Some(initial) => &self.stiffness + initial,
+            None => self.stiffness.clone(),
+        }
+    }
+
+    fn along(
+        axial: &basis::AxialProducts,
+        plane: &basis::SectionProducts,
+        kind: ElementKind,
+        (section, material): (&Section, &Material),
+        carried: &Carried,
+    ) -> Self {
         let reference_length = plane.reference_length;
         let stiffness = match kind.law {
-            Law::Continuum => continuum::stiffness(&continuum::isotropic(material), &axial, plane),
-            Law::Split => continuum::split_stiffness(section, material, &axial, plane),
-            Law::Structural => structural_3333s::stiffness(section, material, &axial, reference_length),
+            Law::Continuum => continuum::stiffness(&continuum::isotropic(material), axial, plane),
+            Law::Split => continuum::split_stiffness(section, material, axial, plane),
+            Law::Structural => structural_3333s::stiffness(section, material, axial, reference_length),
         };
-        Self {
-            mass: inertia::mass(material.density, &axial, plane),
-            gyroscopic: inertia::gyroscopic(material.density, &axial, plane),
-            spin_softening: inertia::spin_softening(material.density, &axial, plane),
+        let mut matrices = Self {
+            mass: inertia::mass(material.density, axial, plane),
+            gyroscopic: inertia::gyroscopic(material.density, axial, plane),
+            spin_softening: inertia::spin_softening(material.density, axial, plane),
             stiffness,
+            initial_stress: carried::initial_stress(carried, section, axial, plane),
+        };
+        if carried.added_mass != 0.0 {
+            carried::add_mass(carried.added_mass, axial, plane, &mut matrices);
         }
+        matrices
     }
 }

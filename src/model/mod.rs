@@ -86,6 +86,17 @@ impl ElementKind {
     }
 }
 
+/// What a segment carries beside the mass and the stiffness of its section.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Carried {
+    /// Mass per length that moves with the mean displacement of the section, kg/m.
+    pub added_mass: f64,
+    /// Axial force P of the initial stress `P/A`, tension positive, N.
+    pub axial_force: f64,
+    /// Torque T of the initial shear `T r/J`, about +x on a face that looks along +x, N m.
+    pub torque: f64,
+}
+
 /// One beam element; it occupies the nodes `first_node ..= first_node + axial_degree`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Element {
@@ -99,10 +110,14 @@ pub struct Element {
     pub kind: ElementKind,
     /// Kinked functions beside those of the member, near a step.
     pub kinks: Kinks,
-    /// Index into [`Model::sections`].
+    /// Index into [`Model::sections`]; of a tapered element the section halfway.
     pub section: usize,
+    /// Sections of its left and right end, between which all lengths change linearly.
+    pub faces: [usize; 2],
     /// Index into [`Model::materials`].
     pub material: usize,
+    /// Added mass and initial stress.
+    pub carried: Carried,
     /// At its left and right end: whether its vectors follow those of the neighbour, see [`Node::follower`].
     pub follows: [bool; 2],
 }
@@ -116,6 +131,17 @@ impl Element {
     /// Vectors at each of its nodes.
     pub fn n_vectors(&self) -> usize {
         self.field().count()
+    }
+
+    /// The section of its end at a node; `None` where it does not end.
+    pub fn face_at(&self, node: usize) -> Option<usize> {
+        let ends = [self.first_node, self.first_node + self.kind.axial_degree];
+        ends.iter().position(|end| *end == node).map(|end| self.faces[end])
+    }
+
+    /// True when its section changes along it.
+    pub fn is_tapered(&self) -> bool {
+        self.faces[0] != self.faces[1]
     }
 }
 
@@ -154,6 +180,8 @@ pub struct Node {
     pub field: Field,
     /// What the vectors of the neighbour that follows multiply.
     pub follower: Option<Field>,
+    /// Joined by a thin face: plane and undistorted, it may widen as a whole.
+    pub face: bool,
 }
 
 impl Node {
@@ -195,6 +223,8 @@ pub struct Model {
     pub sections: Vec<Section>,
     /// What the case calls them.
     pub names: Names,
+    /// JSON path of the first axial force or torque of a segment.
+    pub initial_stress: Option<String>,
     /// Elements that the program chose itself (`"element": "auto"`), and why.
     pub choices: Vec<ElementChoice>,
     /// Places that stood beside an element end by rounding and were moved onto it, in words.
@@ -253,6 +283,20 @@ pub struct Names {
 }
 
 impl Model {
+    /// Sections of the ends of an element.
+    pub fn faces(&self, e: &Element) -> [&Section; 2] {
+        e.faces.map(|face| &self.sections[face])
+    }
+
+    /// The section of an element at x (m).
+    pub fn section_in(&self, e: &Element, x: f64) -> Section {
+        if !e.is_tapered() {
+            return self.sections[e.section];
+        }
+        let [left, right] = self.faces(e);
+        left.between(right, ((x - e.x) / e.length).clamp(0.0, 1.0))
+    }
+
     /// The same shaft with the section turned that [`SpinupSettings::driven_node`] names.
     pub fn with_drive(&self, settings: &SpinupSettings) -> Self {
         let mut driven = self.clone();

@@ -24,6 +24,10 @@ pub enum Modelled {
     UnbalanceMasses(usize),
     /// Number of excitations at a frequency of their own.
     Excitations(usize),
+    /// Mass of segments that carries no load.
+    AddedMass,
+    /// Axial forces and torques of segments.
+    InitialStress,
     /// Rule by which the internal forces are integrated.
     InternalForces(String),
     /// Gravity acts.
@@ -231,6 +235,10 @@ impl Display for Modelled {
             }
             Self::Study { settings, analysis } => write!(f, "{settings} settings run with {analysis}"),
             Self::Told(text) => f.write_str(text),
+            Self::AddedMass => {
+                f.write_str("added mass of segments on the mean displacement of their sections")
+            }
+            Self::InitialStress => f.write_str("initial stress of the segments' axial forces and torques"),
             Self::LinearElasticity => f.write_str("linear elasticity"),
             Self::FiniteDisplacements => f.write_str("finite displacements, St. Venant-Kirchhoff material"),
             Self::FiniteDisplacementsOfBodies => f.write_str("finite displacements"),

@@ -10,6 +10,8 @@
 //! with p = 1 .. d, 0, 1, .. [`HARMONICS`] waves and a length s_k of the size of what is beyond R_k. A function that vanishes on the area that two sections share is free at the
 //! face of a step. Source: docs/theory/steps.md#functions.
 
+use crate::section::Section;
+
 /// Largest number of waves of kinked functions.
 pub const HARMONICS: usize = 2;
 
@@ -18,6 +20,9 @@ const OF_A_POWER: usize = 2 * HARMONICS + 1;
 
 /// Most kinks of one section.
 const MOST: usize = 24;
+
+/// Least part of what is beyond a kink that stays along a taper.
+const STAYS: f64 = 0.3;
 
 /// A radius at which functions have a kink.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,6 +114,18 @@ impl Kinks {
         let mut list = [None; MOST];
         list.iter_mut().zip(kept).for_each(|(place, kink)| *place = Some(kink));
         Self { list }
+    }
+
+    /// The kinks that stay within the wall of a round section as it changes from one face to the other, on both sides of
+    /// their radius at least [`STAYS`] of what is there at most.
+    pub fn within(&self, faces: [&Section; 2]) -> Self {
+        let [a, b] = faces;
+        let (least, most) = (a.outer[0].min(b.outer[0]), a.outer[0].max(b.outer[0]));
+        let (narrow, wide) = (a.inner[0].min(b.inner[0]), a.inner[0].max(b.inner[0]));
+        let stays = |k: &Kink| {
+            least - k.radius >= STAYS * (most - k.radius) && k.radius - wide >= STAYS * (k.radius - narrow)
+        };
+        Self::new(&self.iter().filter(stays).collect::<Vec<_>>())
     }
 
     /// The kinks by rising radius.

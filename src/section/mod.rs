@@ -87,6 +87,13 @@ impl Section {
             + dy.powi(p as i32) * power_difference(cz, dz, q))
     }
 
+    /// The section between this one and another of the same shape, `share` (0 to 1) of the way: all lengths change linearly.
+    /// Source: docs/theory/elements.md#tapers.
+    pub fn between(&self, other: &Self, share: f64) -> Self {
+        let mix = |a: [f64; 2], b: [f64; 2]| [0, 1].map(|i| a[i] + (b[i] - a[i]) * share);
+        Self { shape: self.shape, outer: mix(self.outer, other.outer), inner: mix(self.inner, other.inner) }
+    }
+
     /// Area in m^2.
     pub fn area(&self) -> f64 {
         self.moment(0, 0)

@@ -33,7 +33,12 @@ fn kernel(model: &Model, e: &Element) -> Result<Box<dyn Kernel>> {
     let (r, quadrature) = (model.reference_length, model.quadrature);
     if !e.kinks.is_empty() {
         let with = (quadrature, model.instructions);
-        return Ok(Box::new(KinkedElement::new((e.kind, &e.kinks), section, material, e.length, r, with)));
+        let faces = model.faces(e);
+        return Ok(Box::new(KinkedElement::new((e.kind, &e.kinks), faces, material, e.length, r, with)));
+    }
+    if e.is_tapered() {
+        let element = NonlinearElement::tapered(e.kind, model.faces(e), material, e.length, r, quadrature);
+        return Ok(Box::new(element.with_instructions(model.instructions)));
     }
     if let Some(element) = RingElement::new(e.kind, section, material, e.length, r, quadrature) {
         return Ok(Box::new(element.with_instructions(model.instructions)));

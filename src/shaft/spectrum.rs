@@ -24,6 +24,9 @@ const HARD: f64 = 100.0;
 const SOLVED: f64 = 1e-11;
 const MOST_ITERATIONS: usize = 30;
 
+/// Digits to which the share of the initial stress is told at which a shaft buckles.
+const BUCKLING_DIGITS: f64 = 1e-5;
+
 /// Square of a frequency over that of the highest mode below which a mode stands apart.
 const APART_SQUARE_SHARE: f64 = 1e-9;
 
@@ -87,8 +90,11 @@ impl Flexibility {
         let motions = assembly.rigid_motions().1;
         let springs = assembly.springs();
         let forces: Vec<Vec<f64>> = springs.iter().map(|s| assembly.force(&s.row)).collect();
+        // the motions that only springs hold are no longer free of stiffness
+        let stressed = assembly.model.initial_stress.is_some();
         let mut soft: Vec<usize> = (0..springs.len())
             .filter(|&i| springs[i].stiffness > 0.0)
+            .filter(|_| !stressed)
             .filter(|&i| springs[i].stiffness < SOFT * local_stiffness(stiffness, &forces[i]))
             .collect();
         loop {
@@ -375,6 +381,7 @@ impl Spectrum {
         let rigid_motions = assembly.rigid_motions().0;
         let flexibility = Flexibility::at_rest(assembly, &stiffness, &mass)?;
         refuse_unstable(assembly, &flexibility)?;
+        refuse_buckled(assembly, &rigid_motions, &stiffness, &mass)?;
         let (size, n_rigid) = (assembly.size(), rigid_motions.len());
         let pencil = Pencil {
             size,
@@ -440,6 +447,44 @@ impl Spectrum {
         list.extend(of(&self.vectors, &|j| self.values[j]));
         list
     }
+}
+
+/// Refuses a shaft whose initial stress finds no hold, or more than the shaft bears.
+fn refuse_buckled(
+    assembly: &Assembly<'_>,
+    rigid_motions: &[RigidMotion],
+    stiffness: &Sparse,
+    mass: &Sparse,
+) -> Result<()> {
+    let Some(initial) = assembly.initial_stress() else { return Ok(()) };
+    if rigid_motions.iter().any(|motion| motion.has(&[4, 5])) {
+        return Err(Error::analysis(
+            "nothing holds the line of the axial force or torque: the shaft is free to tilt",
+            "the initial stress on the rigid motions of the shaft",
+            "supports that keep the shaft from tilting; or no axial_force and torque in its segments",
+        ));
+    }
+    let motions = assembly.rigid_motions().1;
+    let unstable = |share: f64| -> Result<bool> {
+        let k = combine(&[(1.0, stiffness), (share - 1.0, &initial)]);
+        Ok(Flexibility::new(&k, mass, motions.clone())?.unstable_directions() > 0)
+    };
+    if !unstable(1.0)? {
+        return Ok(());
+    }
+    let (mut stable, mut buckled) = (0.0, 1.0);
+    while buckled - stable > BUCKLING_DIGITS * buckled && buckled > BUCKLING_DIGITS {
+        let share = (stable + buckled) / 2.0;
+        if unstable(share)? { buckled = share } else { stable = share }
+    }
+    Err(Error::analysis(
+        format!(
+            "the shaft is unstable at rest under the axial_force and torque of its segments: it buckles at {:.4} times them",
+            (stable + buckled) / 2.0
+        ),
+        "the stiffness with that of the initial stress",
+        "less compression (axial_force is positive in tension) or torque, or a stiffer shaft or supports",
+    ))
 }
 
 /// A shift in the widest gap at or above the `kept`-th value, and the number of values below it.

@@ -189,7 +189,12 @@ fn every_fault_names_path_value_and_remedy() {
         ("disks.0.radius", json!(0.1), "disks.0.radius", &["not both"]),
         ("disks.0.mass", json!(0), "disks.0.mass", &["positive"]),
         ("disks.0.diametral_inertia", json!(0.01), "disks.0.diametral_inertia", &["half the polar"]),
-        ("disks", json!([{ "at": 0.5, "mass": 1 }]), "disks.0.polar_inertia", &["missing"]),
+        (
+            "disks",
+            json!([{ "at": 0.5, "mass": 1, "diametral_inertia": 1 }]),
+            "disks.0.polar_inertia",
+            &["missing"],
+        ),
         (
             "disks",
             json!([{ "at": 0.5, "radius": 0.1, "inner_radius": 0.2, "thickness": 0.1, "rho": 1 }]),

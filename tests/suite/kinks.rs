@@ -115,7 +115,7 @@ fn products_of_cells_are_sums_over_points() {
 
 fn kinked((kind, kinks, section): &(ElementKind, Kinks, Section)) -> KinkedElement {
     let with = (Quadrature::EXACT, Instructions::Widest);
-    KinkedElement::new((*kind, kinks), section, &STEEL, LENGTH, R, with)
+    KinkedElement::new((*kind, kinks), [section; 2], &STEEL, LENGTH, R, with)
 }
 
 #[test]

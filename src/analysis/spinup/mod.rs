@@ -18,7 +18,7 @@ use crate::analysis::probes::{largest_strain, probe_states, profile};
 use crate::analysis::statics::{hub_remark, pinned_remark};
 use crate::analysis::stations::{GrowthStation, headline, section_growth};
 use crate::analysis::steps::stress_remarks;
-use crate::analysis::{Outcome, model_remarks};
+use crate::analysis::{Outcome, model_remarks, refuse_initial_stress};
 use crate::error::{Error, Refusal, Result};
 use crate::integrate::implicit::Scheme;
 use crate::integrate::{self, IntegratorSettings, Method, Moment, Progress, Step};
@@ -131,6 +131,7 @@ pub fn fits(model: &Model, settings: &SpinupSettings) -> std::result::Result<(),
 /// No equilibrium at the highest speed, an integration that fails, or a model that the frame or the integrator
 /// can't treat.
 pub fn spinup(model: &Model, settings: &SpinupSettings, watch: Watch<'_>) -> Result<Outcome<Spinup>> {
+    refuse_initial_stress(model)?;
     fits(model, settings)?;
     let model = &model.with_drive(settings);
     let drive = Drive::of(settings);

@@ -67,7 +67,7 @@ impl<'a> RunRecorder<'a> {
         let start = dynamics.state(0.0, &begin.z, &begin.v);
         let zero = Extremes { radius_m: 0.0, radius_time_s: 0.0, torque_n_m: 0.0, torque_time_s: 0.0 };
         let middle = assembly.model.length / 2.0;
-        let here = assembly.model.sections[element_at(assembly.model, middle).section];
+        let here = assembly.model.section_in(element_at(assembly.model, middle), middle);
         let supports = assembly.model.supports.iter().map(|s| (s.path.clone(), s.node)).collect();
         let contacts = dynamics.contacts(0.0, &begin.z, &begin.v);
         let rub = || RubRecorder::new(&settings.stators, settings.until, &contacts);
@@ -194,7 +194,7 @@ impl<'a> RunRecorder<'a> {
             let u = displacement(self.assembly, &q, [probe.x, y, z]);
             h.probes.entry(probe.name.clone()).or_default().push(u);
             let e = element_at(model, probe.x);
-            let grown = growth_in(self.assembly, &q, e, probe.x, model.sections[e.section].outer);
+            let grown = growth_in(self.assembly, &q, e, probe.x, model.section_in(e, probe.x).outer);
             h.probe_growth_m.entry(probe.name.clone()).or_default().push(grown);
         }
         let fixed = [centre[0], cos * centre[1] - sin * centre[2], sin * centre[1] + cos * centre[2]];

@@ -27,9 +27,10 @@ pub(super) fn clear_remark(state: &SpinState, diagnostics: &mut Vec<Diagnostic>)
 
 /// Warns of hollow sections whose growth a polynomial misses, with the error of the same linear problem.
 pub(super) fn growth_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
-    let mut seen: Vec<(usize, SectionBasis)> = Vec::new();
+    // a taper has one name for all its sections
+    let mut seen: Vec<(&str, SectionBasis)> = Vec::new();
     for e in &model.elements {
-        let key = (e.section, e.kind.basis);
+        let key = (&model.names.sections[e.section][..], e.kind.basis);
         if seen.contains(&key) || e.kind.law != Law::Continuum {
             continue;
         }

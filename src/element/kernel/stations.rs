@@ -27,7 +27,12 @@ pub struct Stations {
 impl Stations {
     /// `count` Gauss stations along an element of the given length (m).
     pub fn new(axial_degree: usize, length: f64, count: usize) -> Self {
-        let (points, n_nodes) = (gauss(count), axial_degree + 1);
+        Self::of(axial_degree, length, &gauss(count))
+    }
+
+    /// Stations at places xi with weights of a rule on [-1, 1].
+    pub fn of(axial_degree: usize, length: f64, points: &[(f64, f64)]) -> Self {
+        let (count, n_nodes) = (points.len(), axial_degree + 1);
         assert!(n_nodes <= NODES, "tables for four nodes");
         let padded = count.next_multiple_of(LANES);
         let mut axial = [vec![0.0; n_nodes * padded], vec![0.0; n_nodes * padded]];

@@ -34,7 +34,7 @@ impl NonlinearElement {
                 self.gradient(simd, velocity, batch, rate);
                 self.add_strain_rates(simd, f, rate, strains);
             }
-            self.stress_moments(simd, strains, stresses, t);
+            self.stress_moments(simd, batch, strains, stresses, t);
             if velocity.is_none() {
                 let density = self.energy_density(simd, strains, t);
                 energy += simd.reduce_sum_f64s(simd.mul_f64s(weights[batch], density));
@@ -96,6 +96,7 @@ impl NonlinearElement {
     fn stress_moments<S: Simd>(
         &self,
         simd: S,
+        batch: usize,
         strains: &[[S::f64s; 6]],
         stresses: &mut [[S::f64s; 6]],
         t: &mut [[S::f64s; 6]],
@@ -114,10 +115,10 @@ impl NonlinearElement {
                 }
             }
             let [low, mid, all] = class.counts;
-            class.integrate::<S, 0, 3, 6>(simd, (0..low, all), stresses, t, &class.places);
-            class.integrate::<S, 0, 1, 6>(simd, (low..all, all), stresses, t, &class.places);
-            class.integrate::<S, 3, 2, 6>(simd, (0..mid, mid), stresses, t, &class.places);
-            class.integrate::<S, 5, 1, 6>(simd, (0..low, low), stresses, t, &class.places);
+            class.integrate::<S, 0, 3, 6>(simd, batch, (0..low, all), stresses, t, &class.places);
+            class.integrate::<S, 0, 1, 6>(simd, batch, (low..all, all), stresses, t, &class.places);
+            class.integrate::<S, 3, 2, 6>(simd, batch, (0..mid, mid), stresses, t, &class.places);
+            class.integrate::<S, 5, 1, 6>(simd, batch, (0..low, low), stresses, t, &class.places);
         }
         if let Some(law) = self.law.on_axis {
             let [xx, yy, zz, ..] = strains[0];

@@ -20,11 +20,13 @@ use crate::element::kernel::pair_stiffness::{Expansion, place};
 use crate::element::kernel::simd::Scratch;
 use crate::element::kernel::stations::Stations;
 use crate::element::kernel::vectorised::Vectorised;
-use crate::element::quadrature::section_rule;
+use crate::element::quadrature::{gauss, section_rule};
+use crate::element::taper;
 use crate::instructions::Instructions;
 use crate::model::{ElementKind, Law, Material, Quadrature};
 use crate::section::Section;
 use crate::section::basis::exponents;
+use crate::section::kinks::Kinks;
 use nalgebra::Matrix3;
 use pulp::{Arch, Simd};
 use section_polynomials::{Class, count, place_on_grid};
@@ -76,6 +78,27 @@ pub fn stress_at(law: Law, section: &Section, material: &Material, strain: &Matr
     })
 }
 
+/// `int eta^a zeta^b dA` over a section, m^2, by exact moments or by points.
+fn section_moments(
+    section: &Section,
+    r: f64,
+    quadrature: Quadrature,
+) -> impl Fn(usize, usize) -> f64 + use<> {
+    let scaled = Section {
+        shape: section.shape,
+        outer: section.outer.map(|c| c / r),
+        inner: section.inner.map(|c| c / r),
+    };
+    let rule = quadrature.section.map(|points| section_rule(&scaled, points));
+    move |a: usize, b: usize| match &rule {
+        _ if a % 2 == 1 || b % 2 == 1 => 0.0,
+        None => scaled.moment(a, b) * r * r,
+        Some(rule) => {
+            rule.iter().map(|(y, z, w)| w * y.powi(a as i32) * z.powi(b as i32)).sum::<f64>() * r * r
+        }
+    }
+}
+
 /// The coefficients of F_x, F_y and F_z that a vector of a node enters, with their factors.
 type Roles = [Option<(usize, f64)>; 3];
 
@@ -112,7 +135,45 @@ impl NonlinearElement {
         reference_length: f64,
         quadrature: Quadrature,
     ) -> Self {
-        let (order, r) = (kind.polynomial_order(), reference_length);
+        let moment = section_moments(section, reference_length, quadrature);
+        let classes = Class::all(kind.polynomial_order(), &moment);
+        // the integrand holds four factors of the axial degree
+        let count = quadrature.axial.unwrap_or(2 * kind.axial_degree + 1);
+        let stations = Stations::new(kind.axial_degree, length, count);
+        let law = (StressLaw::new(kind.law, section, material), moment(0, 0));
+        Self::with_classes(kind, law, material.stiffness_damping, reference_length, (classes, stations))
+    }
+
+    /// Tables for an element of the continuum members whose section changes linearly between its faces. Source:
+    /// docs/theory/elements.md#tapers.
+    pub fn tapered(
+        kind: ElementKind,
+        faces: [&Section; 2],
+        material: &Material,
+        length: f64,
+        reference_length: f64,
+        quadrature: Quadrature,
+    ) -> Self {
+        let count = quadrature.axial.unwrap_or(taper::nonlinear_stations(kind, &Kinks::NONE));
+        let stations = Stations::new(kind.axial_degree, length, count);
+        let moments: Vec<_> = gauss(count)
+            .into_iter()
+            .map(|(xi, _)| section_moments(&taper::at(faces, xi), reference_length, quadrature))
+            .collect();
+        let moment = |station: usize, a: usize, b: usize| moments[station](a, b);
+        let classes = Class::along(kind.polynomial_order(), (stations.count, stations.padded), moment);
+        let law = (StressLaw::new(kind.law, faces[0], material), 0.0);
+        Self::with_classes(kind, law, material.stiffness_damping, reference_length, (classes, stations))
+    }
+
+    fn with_classes(
+        kind: ElementKind,
+        (law, area): (StressLaw, f64),
+        viscosity: f64,
+        r: f64,
+        (classes, stations): ([Class; 4], Stations),
+    ) -> Self {
+        let order = kind.polynomial_order();
         let list = exponents(order);
         let (n_vectors, n_slopes) = (count(order), count(order - 1));
         let factorial = |(a, b): (usize, usize)| (1..=a).chain(1..=b).map(|k| k as f64).product::<f64>();
@@ -128,35 +189,18 @@ impl NonlinearElement {
                 [plain, slope(a.checked_sub(1).map(|a| (a, b))), slope(b.checked_sub(1).map(|b| (a, b)))]
             })
             .collect();
-        let scaled = Section {
-            shape: section.shape,
-            outer: section.outer.map(|c| c / r),
-            inner: section.inner.map(|c| c / r),
-        };
-        let rule = quadrature.section.map(|points| section_rule(&scaled, points));
-        let moment = |a: usize, b: usize| match &rule {
-            _ if a % 2 == 1 || b % 2 == 1 => 0.0,
-            None => scaled.moment(a, b) * r * r,
-            Some(rule) => {
-                rule.iter().map(|(y, z, w)| w * y.powi(a as i32) * z.powi(b as i32)).sum::<f64>() * r * r
-            }
-        };
-        let classes = Class::all(order, moment);
-        // the integrand holds four factors of the axial degree
-        let count_stations = quadrature.axial.unwrap_or(2 * kind.axial_degree + 1);
-        let stations = Stations::new(kind.axial_degree, length, count_stations);
         Self {
-            law: StressLaw::new(kind.law, section, material),
+            law,
             n_vectors,
             fields: [n_vectors, n_slopes, n_slopes],
             places: list.iter().map(|&m| place_on_grid(order, m)).collect(),
             grid: place_on_grid(order, (2 * order, 0)) + 1,
-            area: moment(0, 0),
+            area,
             tangent: PolynomialTables::new(order, &classes, &vectors, &stations),
             vectors,
             classes,
             stations,
-            viscosity: material.stiffness_damping,
+            viscosity,
             arch: Instructions::Widest.arch().unwrap_or(Arch::Scalar),
         }
     }

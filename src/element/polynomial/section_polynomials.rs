@@ -32,6 +32,15 @@ pub(super) const IN_ORDER: [usize; 21] = {
     list
 };
 
+/// Section moments `H[g,h]` of a class, m^2.
+#[derive(Debug, Clone)]
+enum Moments {
+    /// The same at all stations, by rows.
+    Same(Vec<f64>),
+    /// Those of a taper, `[(g * columns + h) * padded + station]`.
+    Tapered { values: Vec<f64>, padded: usize },
+}
+
 /// The monomials up to degree 2 n of one class of parities, ascending in degree.
 #[derive(Debug, Clone)]
 pub(super) struct Class {
@@ -41,32 +50,51 @@ pub(super) struct Class {
     pub places: Vec<usize>,
     /// Number of monomials up to the degrees 2 n - 2, 2 n - 1 and 2 n.
     pub counts: [usize; 3],
-    /// `H[g,h]` by rows, m^2.
-    moments: Vec<f64>,
+    moments: Moments,
 }
 
 impl Class {
     /// The four classes; the one of the constant monomial comes first. `moment(a, b)` is `int eta^a zeta^b dA`.
     pub fn all(order: usize, moment: impl Fn(usize, usize) -> f64) -> [Self; 4] {
+        Self::with(order, |products| Moments::Same(products.iter().map(|&(a, b)| moment(a, b)).collect()))
+    }
+
+    /// The classes of a taper; `moment(station, a, b)` is `int eta^a zeta^b dA` at a station.
+    pub fn along(
+        order: usize,
+        (count, padded): (usize, usize),
+        moment: impl Fn(usize, usize, usize) -> f64,
+    ) -> [Self; 4] {
+        Self::with(order, |products| {
+            let at = |&(a, b): &(usize, usize)| {
+                let moment = &moment;
+                (0..padded).map(move |s| if s < count { moment(s, a, b) } else { 0.0 })
+            };
+            Moments::Tapered { values: products.iter().flat_map(at).collect(), padded }
+        })
+    }
+
+    /// The classes with moments of the exponents of all products `g h`, by rows.
+    fn with(order: usize, moments: impl Fn(&[(usize, usize)]) -> Moments) -> [Self; 4] {
         [(0, 0), (1, 1), (1, 0), (0, 1)].map(|parities| {
             let mut list = exponents(2 * order);
             list.retain(|&(a, b)| (a % 2, b % 2) == parities);
-            let row =
-                |g: &(usize, usize)| list.iter().map(|h| moment(g.0 + h.0, g.1 + h.1)).collect::<Vec<_>>();
+            let row = |g: &(usize, usize)| list.iter().map(|h| (g.0 + h.0, g.1 + h.1)).collect::<Vec<_>>();
             Self {
                 places: list.iter().map(|&g| place_on_grid(order, g)).collect(),
                 counts: [2, 1, 0].map(|less| list.iter().filter(|(a, b)| a + b + less <= 2 * order).count()),
-                moments: list.iter().flat_map(row).collect(),
+                moments: moments(&list.iter().flat_map(row).collect::<Vec<_>>()),
                 monomials: list,
             }
         })
     }
 
-    /// `m[at[g]][k] = sum_h H[g,h] p[h][k]` for g in `rows`, h below `columns`, k in `FROM .. FROM + K`.
+    /// `m[at[g]][k] = sum_h H[g,h] p[h][k]` at a batch of stations, for g in `rows`, h below `columns`, k in `FROM .. FROM + K`.
     #[inline(always)]
     pub fn integrate<S: Simd, const FROM: usize, const K: usize, const N: usize>(
         &self,
         simd: S,
+        batch: usize,
         (rows, columns): (Range<usize>, usize),
         p: &[[S::f64s; N]],
         m: &mut [[S::f64s; N]],
@@ -74,14 +102,14 @@ impl Class {
     ) {
         let mut g = rows.start;
         while g + 3 <= rows.end {
-            let sums = self.rows::<S, FROM, K, N, 3>(simd, g, &p[..columns]);
+            let sums = self.rows::<S, FROM, K, N, 3>(simd, batch, g, &p[..columns]);
             for r in 0..3 {
                 m[at[g + r]][FROM..FROM + K].copy_from_slice(&sums[r]);
             }
             g += 3;
         }
         while g < rows.end {
-            let [sum] = self.rows::<S, FROM, K, N, 1>(simd, g, &p[..columns]);
+            let [sum] = self.rows::<S, FROM, K, N, 1>(simd, batch, g, &p[..columns]);
             m[at[g]][FROM..FROM + K].copy_from_slice(&sum);
             g += 1;
         }
@@ -92,14 +120,30 @@ impl Class {
     fn rows<S: Simd, const FROM: usize, const K: usize, const N: usize, const R: usize>(
         &self,
         simd: S,
+        batch: usize,
         g: usize,
         p: &[[S::f64s; N]],
     ) -> [[S::f64s; K]; R] {
-        let mut rows = [&self.moments[..0]; R];
-        for (r, row) in rows.iter_mut().enumerate() {
-            *row = &self.moments[(g + r) * self.places.len()..][..p.len()];
-        }
         let mut sums = [[simd.splat_f64s(0.0); K]; R];
+        let moments = match &self.moments {
+            Moments::Same(moments) => moments,
+            Moments::Tapered { values, padded } => {
+                let (width, values) = (padded / S::F64_LANES, S::as_simd_f64s(values).0);
+                for (h, p) in p.iter().enumerate() {
+                    for (r, sums) in sums.iter_mut().enumerate() {
+                        let moment = values[((g + r) * self.places.len() + h) * width + batch];
+                        for k in 0..K {
+                            sums[k] = simd.mul_add_e_f64s(moment, p[FROM + k], sums[k]);
+                        }
+                    }
+                }
+                return sums;
+            }
+        };
+        let mut rows = [&moments[..0]; R];
+        for (r, row) in rows.iter_mut().enumerate() {
+            *row = &moments[(g + r) * self.places.len()..][..p.len()];
+        }
         for (h, p) in p.iter().enumerate() {
             for r in 0..R {
                 let moment = simd.splat_f64s(rows[r][h]);

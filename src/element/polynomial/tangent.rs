@@ -183,8 +183,9 @@ impl NonlinearElement {
         }
         for c in 0..4 {
             let length = expansion.batches[c].length();
-            for (f, moments) in f.chunks_exact(monomials).zip(at_stations.chunks_exact_mut(length)) {
-                self.tangent_moments(simd, c, self.columns(f), geometric, pool, moments);
+            let stations = f.chunks_exact(monomials).zip(at_stations.chunks_exact_mut(length));
+            for (batch, (f, moments)) in stations.enumerate() {
+                self.tangent_moments(simd, (c, batch), self.columns(f), geometric, pool, moments);
             }
             expansion.along_axis(simd, c, cast_slice(at_stations), at_nodes);
         }
@@ -196,7 +197,7 @@ impl NonlinearElement {
     fn tangent_moments<S: Simd>(
         &self,
         simd: S,
-        c: usize,
+        (c, batch): (usize, usize),
         f: [&[[S::f64s; 3]]; 3],
         geometric: bool,
         mut pool: &mut [f64],
@@ -208,10 +209,10 @@ impl NonlinearElement {
         self.squares(simd, c, f, squares, strains);
         for alpha in 0..3 {
             let stress = geometric.then_some(&*strains);
-            self.normal_moments(simd, (c, alpha), squares, stress, pool, moments);
+            self.normal_moments(simd, (c, batch, alpha), squares, stress, pool, moments);
         }
         for pair in 3..6 {
-            self.shear_moments(simd, (c, pair), f, geometric, pool, moments);
+            self.shear_moments(simd, (c, batch, pair), f, geometric, pool, moments);
         }
     }
 
@@ -261,7 +262,7 @@ impl NonlinearElement {
     fn normal_moments<S: Simd>(
         &self,
         simd: S,
-        (c, alpha): (usize, usize),
+        (c, batch, alpha): (usize, usize, usize),
         squares: &[[[S::f64s; 6]; 3]],
         strains: Option<&[[S::f64s; 3]]>,
         mut pool: &mut [f64],
@@ -294,8 +295,8 @@ impl NonlinearElement {
         }
         let first = self.tangent.expansion.batches[c].first[alpha];
         let moments: &mut [[S::f64s; 6]] = cast_slice_mut(&mut moments[first..][..6 * rows]);
-        class.integrate::<S, 0, 3, 6>(simd, (0..rows, all), integrand, moments, &IN_ORDER);
-        class.integrate::<S, 3, 3, 6>(simd, (0..rows, all), integrand, moments, &IN_ORDER);
+        class.integrate::<S, 0, 3, 6>(simd, batch, (0..rows, all), integrand, moments, &IN_ORDER);
+        class.integrate::<S, 3, 3, 6>(simd, batch, (0..rows, all), integrand, moments, &IN_ORDER);
         if c == 0
             && let Some(law) = self.law.on_axis
         {
@@ -313,7 +314,7 @@ impl NonlinearElement {
     fn shear_moments<S: Simd>(
         &self,
         simd: S,
-        (c, pair): (usize, usize),
+        (c, batch, pair): (usize, usize, usize),
         f: [&[[S::f64s; 3]]; 3],
         geometric: bool,
         mut pool: &mut [f64],
@@ -341,9 +342,9 @@ impl NonlinearElement {
         }
         let first = self.tangent.expansion.batches[c].first[pair];
         let moments: &mut [[S::f64s; 9]] = cast_slice_mut(&mut moments[first..][..9 * count]);
-        class.integrate::<S, 0, 3, 9>(simd, (0..count, count), integrand, moments, &IN_ORDER);
-        class.integrate::<S, 3, 3, 9>(simd, (0..count, count), integrand, moments, &IN_ORDER);
-        class.integrate::<S, 6, 3, 9>(simd, (0..count, count), integrand, moments, &IN_ORDER);
+        class.integrate::<S, 0, 3, 9>(simd, batch, (0..count, count), integrand, moments, &IN_ORDER);
+        class.integrate::<S, 3, 3, 9>(simd, batch, (0..count, count), integrand, moments, &IN_ORDER);
+        class.integrate::<S, 6, 3, 9>(simd, batch, (0..count, count), integrand, moments, &IN_ORDER);
         if c == 0
             && let Some(law) = self.law.on_axis
         {

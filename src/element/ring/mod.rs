@@ -156,15 +156,17 @@ impl RingElement {
         let terms = RingFunctions::new(section).terms(degree, harmonics, reference_length);
         let functions = terms.into_iter().map(|term| vec![term]).collect();
         let over = Over { section, degree, harmonics, functions };
-        Some(Self::of_functions(kind.axial_degree, over, material, length, quadrature))
+        // the integrand holds four factors of the axial degree
+        let count = quadrature.axial.unwrap_or(2 * kind.axial_degree + 1);
+        let stations = Stations::new(kind.axial_degree, length, count);
+        Some(Self::of_functions(stations, over, material, quadrature))
     }
 
-    /// Tables for an element of the given length (m) whose vectors multiply any functions over a ring.
+    /// Tables for an element, at some stations along it, whose vectors multiply any functions over a ring.
     pub fn of_functions(
-        axial_degree: usize,
+        stations: Stations,
         Over { section, degree, harmonics, functions }: Over<'_>,
         material: &Material,
-        length: f64,
         quadrature: Quadrature,
     ) -> Self {
         let (lambda, mu) = lame(material);
@@ -188,9 +190,6 @@ impl RingElement {
             (0..=4 * degree).map(|g| weight * moment(g)).collect::<Vec<f64>>()
         });
         let law = law(&directions, &products, &moments, lambda, mu);
-        // the integrand holds four factors of the axial degree
-        let count = quadrature.axial.unwrap_or(2 * axial_degree + 1);
-        let stations = Stations::new(axial_degree, length, count);
         Self {
             mu,
             lambda,

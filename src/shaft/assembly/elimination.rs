@@ -3,6 +3,7 @@
 use crate::model::{Model, Node};
 use crate::shaft::assembly::ZERO_ROW_RTOL;
 use crate::shaft::attachments::{self, Numbering};
+use faer::Mat;
 
 pub(super) type Elimination = (Vec<Vec<(usize, f64)>>, Vec<usize>, Vec<(usize, Vec<f64>)>);
 
@@ -17,6 +18,7 @@ pub(super) fn eliminate(model: &Model, numbering: &Numbering, supports: bool) ->
         let size = 3 * model.nodes[node].n_vectors();
         let mut all = rows.clone();
         all.extend(attachments::unmatched_kinks(model, node));
+        all.extend(attachments::face_rows(model, node));
         let reduced = reduce(all);
         constraints.extend(rows.into_iter().map(|row| (node, row)));
         let is_pivot = |i: usize| reduced.iter().any(|(pivot, _)| *pivot == i);
@@ -55,7 +57,12 @@ pub(super) fn eliminate(model: &Model, numbering: &Numbering, supports: bool) ->
 pub(super) fn follow(model: &Model, node: usize, start: usize, expansion: &mut [Vec<(usize, f64)>]) {
     let Node { field, follower: Some(follower), .. } = model.nodes[node] else { return };
     let Some(shared) = attachments::section_at(model, node) else { return };
-    let p = attachments::functions(model, follower).following(&attachments::functions(model, field), &shared);
+    let p = if model.nodes[node].face {
+        // plane and undistorted: r, r_,y and r_,z of both sides are one
+        Mat::from_fn(follower.count(), field.count(), |k, l| f64::from(k == l && k < 3))
+    } else {
+        attachments::functions(model, follower).following(&attachments::functions(model, field), &shared)
+    };
     for k in 0..p.nrows() {
         for c in 0..3 {
             let mut row: Vec<(usize, f64)> = Vec::new();

@@ -104,7 +104,8 @@ impl<'a> Assembly<'a> {
     ) -> Self {
         let mut keys: Vec<&Element> = Vec::new();
         let same = |a: &Element, b: &Element| {
-            (a.kind, a.section, a.material, a.kinks) == (b.kind, b.section, b.material, b.kinks)
+            (a.kind, a.faces, a.material, a.kinks, a.carried)
+                == (b.kind, b.faces, b.material, b.kinks, b.carried)
                 && (a.length - b.length).abs() <= 1e-13 * b.length
         };
         let element_type = model
@@ -121,12 +122,16 @@ impl<'a> Assembly<'a> {
         let mut products: Vec<(Field, SectionProducts)> = Vec::new();
         let mut matrices = |e: &&Element| {
             let (section, material) = (&model.sections[e.section], &model.materials[e.material]);
+            if e.is_tapered() {
+                let (of, r) = ((model.faces(e), material), model.reference_length);
+                return ElementMatrices::tapered((e.kind, &e.kinks), of, &e.carried, e.length, r);
+            }
             let at = products.iter().position(|(field, _)| *field == e.field()).unwrap_or_else(|| {
                 let (basis, r) = (e.kind.basis, model.reference_length);
                 products.push((e.field(), SectionProducts::with_kinks(basis, &e.kinks, section, r)));
                 products.len() - 1
             });
-            ElementMatrices::on(&products[at].1, e.kind, section, material, e.length)
+            ElementMatrices::on(&products[at].1, e.kind, (section, material), &e.carried, e.length)
         };
         let distinct = keys.iter().map(&mut matrices).collect();
         Self { model, numbering, expansion, free, distinct, element_type, constraints }
@@ -243,7 +248,15 @@ impl<'a> Assembly<'a> {
     pub fn stiffness(&self) -> Sparse {
         let mut nodal = attachments::Hubs::new(self.model, &self.numbering).stiffness();
         nodal.extend(self.bearings(|b| symmetric_part(b.stiffness)));
-        self.build(Some(&|_, m| m.stiffness.clone()), nodal)
+        self.build(Some(&|_, m| m.stiffness_at_rest()), nodal)
+    }
+
+    /// The part of [`Self::stiffness`] that the initial stress makes; `None` without one.
+    pub fn initial_stress(&self) -> Option<Sparse> {
+        let of = |_: &Material, m: &ElementMatrices| {
+            m.initial_stress.clone().unwrap_or_else(|| Mat::zeros(m.mass.nrows(), m.mass.ncols()))
+        };
+        self.model.initial_stress.is_some().then(|| self.build(Some(&of), Vec::new()))
     }
 
     /// The bearings' symmetric stiffness as springs along its principal directions.
@@ -308,7 +321,7 @@ impl<'a> Assembly<'a> {
     /// Stiffness of shaft and hubs about the undeformed state, without bearings.
     pub fn elastic_parts(&self) -> Parts {
         self.parts(
-            Some(&|_, m| m.stiffness.clone()),
+            Some(&|_, m| m.stiffness_at_rest()),
             attachments::Hubs::new(self.model, &self.numbering).stiffness(),
         )
     }

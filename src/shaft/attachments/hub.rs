@@ -11,7 +11,7 @@
 //! mass of the normal is constant, so that the equations keep their form in every frame. Source: docs/theory/supports.md#disks.
 
 use crate::model::{ActsOn, Hub, Model, SectionHold, SupportKind};
-use crate::shaft::attachments::{Contribution, Numbering, affine_rows, elements_at};
+use crate::shaft::attachments::{Contribution, Numbering, affine_rows};
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 
@@ -59,7 +59,8 @@ impl Hubs {
     /// The hubs of rigid disks and ends, and the normals of thick disks.
     pub fn new(model: &Model, numbering: &Numbering) -> Self {
         let scale = |node: usize| {
-            let moduli = elements_at(model, node).map(|e| model.materials[e.material].youngs_modulus);
+            let meet = model.elements.iter().filter(|e| e.face_at(node).is_some());
+            let moduli = meet.map(|e| model.materials[e.material].youngs_modulus);
             moduli.fold(0.0, f64::max) * model.reference_length.powi(3)
         };
         let rows = |node: usize, acts_on: ActsOn, normal: Option<usize>| {

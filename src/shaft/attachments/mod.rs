@@ -132,14 +132,9 @@ impl Numbering {
     }
 }
 
-/// Elements that meet at an end node, left before right.
-fn elements_at(model: &Model, node: usize) -> impl Iterator<Item = &crate::model::Element> {
-    model.elements.iter().filter(move |e| e.first_node == node || e.first_node + e.kind.axial_degree == node)
-}
-
 /// The section a support or bearing takes hold of: common to both sides of a step.
 pub fn section_at(model: &Model, node: usize) -> Option<Section> {
-    let mut sections = elements_at(model, node).map(|e| model.sections[e.section]);
+    let mut sections = model.elements.iter().filter_map(|e| e.face_at(node)).map(|face| model.sections[face]);
     let first = sections.next()?;
     Some(sections.fold(first, |a, b| a.common(&b).unwrap_or(a)))
 }
@@ -166,6 +161,14 @@ pub fn unmatched_kinks(model: &Model, node: usize) -> Vec<Vec<f64>> {
     unmatched.flat_map(|k| (0..3).map(move |c| 3 * k + c)).map(unit).collect()
 }
 
+/// Rows that keep a section plane and undistorted where a thin face joins two segments: all vectors but r, r_,y and r_,z are
+/// zero. Source: docs/theory/steps.md#face.
+pub fn face_rows(model: &Model, node: usize) -> Vec<Vec<f64>> {
+    let Node { field, face: true, .. } = model.nodes[node] else { return Vec::new() };
+    let n = 3 * field.count();
+    (9..n).map(|at| (0..n).map(|i| f64::from(i == at)).collect()).collect()
+}
+
 /// Coordinates, counted from the first of a node, of kinked functions of the neighbour that follows and that vanish on the
 /// area both sides share: they are free at the face of the step.
 pub fn free_kinks(model: &Model, node: usize) -> Vec<usize> {
@@ -173,8 +176,8 @@ pub fn free_kinks(model: &Model, node: usize) -> Vec<usize> {
     let Some(shared) = section_at(model, node).filter(|_| !follower.kinks.is_empty()) else {
         return Vec::new();
     };
-    // a rigid hub holds the section as a whole
-    if model.disks.iter().any(|d| d.node == node && d.hub == Hub::Rigid) {
+    // a rigid hub or a face holds the section as a whole
+    if model.nodes[node].face || model.disks.iter().any(|d| d.node == node && d.hub == Hub::Rigid) {
         return Vec::new();
     }
     let free = functions(model, follower).free_on(&shared);
