@@ -77,6 +77,9 @@ pub struct Case {
     /// Supports and bearings. A shaft without any is legal.
     #[serde(default)]
     pub supports: Vec<SupportInput>,
+    /// Couplings: places where nothing but springs joins the shaft.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub couplings: Vec<CouplingInput>,
     /// Housings that bearings share, by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub housings: BTreeMap<String, SharedHousingInput>,

@@ -391,6 +391,31 @@ pub struct SharedHousingInput {
     pub damping: Option<Matrix<Damping>>,
 }
 
+/// A coupling: springs and dampers in six directions between the section to the left and that to the right.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Coupling")]
+pub struct CouplingInput {
+    /// Position along the shaft.
+    pub at: Length,
+    /// Against displacement along y and z, [[kyy, kyz], [kzy, kzz]] or one number.
+    pub stiffness: Matrix<Stiffness>,
+    /// Damping of that, default zero.
+    pub damping: Option<Matrix<Damping>>,
+    /// Against displacement along the axis.
+    pub axial_stiffness: Stiffness,
+    /// Damping of that, default zero.
+    pub axial_damping: Option<Damping>,
+    /// Against turns about y and z, [[kyy, kyz], [kzy, kzz]] or one number.
+    pub tilt_stiffness: Matrix<TiltStiffness>,
+    /// Damping of that, default zero.
+    pub tilt_damping: Option<Matrix<TiltDamping>>,
+    /// Against turns about the axis.
+    pub torsional_stiffness: TiltStiffness,
+    /// Damping of that, default zero.
+    pub torsional_damping: Option<TiltDamping>,
+}
+
 /// A load: force or moment at a position, or traction or pressure on a surface.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -1,6 +1,7 @@
 //! Bearings, seals and housings: their springs, dampers and masses.
 
 use crate::case;
+use crate::check::mesh::Mesh;
 use crate::check::{Input, LARGEST_SI};
 use crate::error::Result;
 use crate::model::{ActsOn, Bearing, BearingTable, Between, Coefficients, Housing, Resists};
@@ -254,6 +255,83 @@ impl Input<'_> {
             path: path.to_owned(),
         });
         Ok(index)
+    }
+
+    /// Adds the springs of the couplings.
+    pub(super) fn couplings(&self, mesh: &Mesh, length: f64, bearings: &mut Bearings) -> Result<()> {
+        for (i, c) in self.case.couplings.iter().enumerate() {
+            let path = format!("couplings.{i}");
+            let node = mesh.node_at(c.at.0);
+            if !mesh.nodes[node].coupled {
+                return self.fault(
+                    &format!("{path}.at"),
+                    "a coupling joins two parts of the shaft: it can't stand at an end",
+                    format!("above 0 and below {length} m, no two at one place"),
+                );
+            }
+            self.nothing_else_at(&path, node, mesh)?;
+            let laws = [
+                (Resists::Lateral, "", numbers!(Some(c.stiffness)), numbers!(c.damping)),
+                (Resists::Axial, "axial_", first!(Some(c.axial_stiffness)), first!(c.axial_damping)),
+                (Resists::Tilt, "tilt_", numbers!(Some(c.tilt_stiffness)), numbers!(c.tilt_damping)),
+                (
+                    Resists::Torsion,
+                    "torsional_",
+                    first!(Some(c.torsional_stiffness)),
+                    first!(c.torsional_damping),
+                ),
+            ];
+            for (resists, prefix, stiffness, damping) in laws {
+                let (stiffness, damping) = (stiffness.unwrap_or_default(), damping.unwrap_or_default());
+                let names = [format!("{prefix}stiffness"), format!("{prefix}damping")];
+                self.law_sizes(&path, [(&names[0], &stiffness), (&names[1], &damping)])?;
+                let across = matches!(resists, Resists::Lateral | Resists::Tilt);
+                if !(if across { is_positive(&stiffness) } else { stiffness[0][0] > 0.0 }) {
+                    return self.fault(
+                        &format!("{path}.{}", names[0]),
+                        "the coupling lets go of its other half in a direction",
+                        "a stiffness above 0 in every direction; a small one where the coupling is soft",
+                    );
+                }
+                bearings.list.push(Bearing {
+                    node,
+                    between: Between::Halves,
+                    resists,
+                    stiffness,
+                    damping,
+                    mass: LawMatrix::default(),
+                    table: None,
+                    acts_on: ActsOn::Section,
+                    seal: false,
+                    path: path.clone(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses what stands at the place of a coupling: it would hold one of the halves.
+    fn nothing_else_at(&self, path: &str, node: usize, mesh: &Mesh) -> Result<()> {
+        let disks = self.case.disks.iter().map(|d| d.at.0);
+        let supports = self.case.supports.iter().map(|s| s.at.0);
+        let loads = self.case.loads.iter().filter_map(|l| l.at.map(|at| at.0));
+        let mut all = disks.chain(supports).chain(loads);
+        if all.any(|x| mesh.node_at(x) == node) {
+            return self.fault(
+                &format!("{path}.at"),
+                "a disk, support or load stands at the coupling: of which half is not said",
+                "a place beside it for either",
+            );
+        }
+        let twice = self.case.couplings.iter().filter(|c| mesh.node_at(c.at.0) == node).count() > 1;
+        if twice {
+            return self.fault(
+                &format!("{path}.at"),
+                "two couplings stand at one place",
+                "one coupling at a place",
+            );
+        }
+        Ok(())
     }
 
     /// Refuses entries that leave no digits.

@@ -62,13 +62,13 @@ pub struct Mesh {
 impl Mesh {
     /// Meshes the segments so that every one of `positions` is an element end.
     ///
-    /// Steps at the places `plain` take no kinks. Within a segment the elements are dealt out to the pieces between
+    /// Steps at the places `plain` take no kinks. At the places `coupled` nothing but a coupling joins both sides. Within a segment the elements are dealt out to the pieces between
     /// positions, each time to the piece whose elements are longest, at least one to each: lengths as even as possible,
     /// never fewer elements.
     pub fn new(
         plans: &[SegmentPlan],
         sections: &[Section],
-        (positions, plain): (&[f64], &[f64]),
+        (positions, plain, coupled): (&[f64], &[f64], &[f64]),
         length: f64,
     ) -> Self {
         let mut mesh = Self {
@@ -109,6 +109,9 @@ impl Mesh {
                     } else {
                         kinks
                     };
+                    if let Some(node) = mesh.nodes.last_mut() {
+                        node.coupled = coupled.iter().any(|x| (x - at(k)).abs() <= same);
+                    }
                     mesh.push((plan, kinks), ([left, right], section), at(k), length);
                     left = right;
                 }
@@ -141,6 +144,10 @@ impl Mesh {
         let field = Field { basis: kind.basis, kinks, section };
         let mut follows = [false; 2];
         match (self.nodes.last_mut(), self.elements.last_mut()) {
+            (Some(shared), Some(_)) if shared.coupled => {
+                follows[0] = true;
+                shared.follower = Some(field);
+            }
             (Some(shared), Some(left)) if !same_functions(shared.field, field, sections) => {
                 follows[0] = leads(shared.field, field, sections);
                 left.follows[1] = !follows[0];
@@ -150,12 +157,12 @@ impl Mesh {
                 }
             }
             (Some(_), _) => {}
-            (None, _) => self.nodes.push(Node { x, field, follower: None, face: false }),
+            (None, _) => self.nodes.push(Node { x, field, follower: None, face: false, coupled: false }),
         }
         let first_node = self.nodes.len() - 1;
         for i in 1..=kind.axial_degree {
             let x = x + length * i as f64 / kind.axial_degree as f64;
-            self.nodes.push(Node { x, field, follower: None, face: false });
+            self.nodes.push(Node { x, field, follower: None, face: false, coupled: false });
         }
         self.elements.push(Element {
             x,
@@ -289,23 +296,24 @@ mod tests {
 
     #[test]
     fn a_matching_mesh_stays_as_it_is() {
-        let mesh = Mesh::new(&[plan(6.0, 16, 3)], &[], (&[3.0, 0.0, 6.0], &[]), 6.0);
-        assert_eq!(ends(&mesh), ends(&Mesh::new(&[plan(6.0, 16, 3)], &[], (&[], &[]), 6.0)));
+        let mesh = Mesh::new(&[plan(6.0, 16, 3)], &[], (&[3.0, 0.0, 6.0], &[], &[]), 6.0);
+        assert_eq!(ends(&mesh), ends(&Mesh::new(&[plan(6.0, 16, 3)], &[], (&[], &[], &[]), 6.0)));
         assert_eq!((mesh.nodes.len(), mesh.node_at(3.0)), (49, 24));
     }
 
     #[test]
     fn positions_force_ends_and_keep_lengths_even() {
-        let mesh = Mesh::new(&[plan(1.0, 4, 3)], &[], (&[0.9], &[]), 1.0);
+        let mesh = Mesh::new(&[plan(1.0, 4, 3)], &[], (&[0.9], &[], &[]), 1.0);
         assert_eq!(mesh.elements.len(), 4);
         assert!(mesh.elements.iter().any(|e| (e.x - 0.9).abs() < 1e-15));
-        let few = Mesh::new(&[plan(1.0, 1, 3)], &[], (&[0.2, 0.4, 0.4 + 1e-8], &[]), 1.0);
+        let few = Mesh::new(&[plan(1.0, 1, 3)], &[], (&[0.2, 0.4, 0.4 + 1e-8], &[], &[]), 1.0);
         assert_eq!(few.elements.len(), 3);
     }
 
     #[test]
     fn the_richer_side_follows_at_a_joint() {
-        let mesh = Mesh::new(&[plan(1.0, 1, 1), plan(1.0, 2, 4)], &[Section::circle(0.1)], (&[], &[]), 2.0);
+        let mesh =
+            Mesh::new(&[plan(1.0, 1, 1), plan(1.0, 2, 4)], &[Section::circle(0.1)], (&[], &[], &[]), 2.0);
         let vectors: Vec<usize> = mesh.nodes.iter().map(Node::n_vectors).collect();
         assert_eq!(vectors, [3, 3, 3, 3, 15, 15, 15, 15, 15, 15]);
         let follows: Vec<[bool; 2]> = mesh.elements.iter().map(|e| e.follows).collect();

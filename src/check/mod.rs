@@ -59,7 +59,8 @@ impl Model {
         names.sections.extend(between);
         let sections = mesh.sections.clone();
         let disks = input.disks(&mesh, &sections)?;
-        let (supports, bearings) = input.supports(&mesh, &sections)?;
+        let (supports, mut bearings) = input.supports(&mesh, &sections)?;
+        input.couplings(&mesh, length, &mut bearings)?;
         let (loads, tractions) = input.loads(&mesh, &sections)?;
         let probes = input.probes(&mesh, length, &sections)?;
         input.expected()?;
@@ -504,10 +505,12 @@ impl Input<'_> {
             self.case.supports.iter().enumerate().map(|(i, s)| (format!("supports.{i}.at"), s.at.0));
         let loads = self.case.loads.iter().enumerate();
         let loads = loads.filter_map(|(i, l)| l.at.map(|at| (format!("loads.{i}.at"), at.0)));
+        let couplings = self.case.couplings.iter().enumerate();
+        let couplings = couplings.map(|(i, c)| (format!("couplings.{i}.at"), c.at.0));
         let driven = self.case.spinup.iter().filter_map(|s| s.driven_at);
         let driven = driven.map(|at| ("spinup.driven_at".to_owned(), at.0));
         let mut list = Vec::new();
-        for (path, at) in disks.chain(supports).chain(loads).chain(driven) {
+        for (path, at) in disks.chain(supports).chain(loads).chain(couplings).chain(driven) {
             self.on_shaft(&path, at, length)?;
             list.push((path, at));
         }
@@ -555,7 +558,9 @@ impl Input<'_> {
             plain.extend(plan.face.then_some(start));
             start += plan.length;
         }
-        Ok(Mesh::new(plans, sections, (&positions, &plain), length))
+        let coupled: Vec<f64> = self.case.couplings.iter().map(|c| c.at.0).collect();
+        plain.extend(&coupled);
+        Ok(Mesh::new(plans, sections, (&positions, &plain, &coupled), length))
     }
 
     /// Refuses a model whose matrices, sweep and histories together need too much memory.
@@ -631,9 +636,11 @@ fn snapped(mesh: &Mesh, places: &[(String, f64)], length: f64) -> Vec<String> {
     places.iter().filter_map(moved).collect()
 }
 
-/// Mass of an element, kg.
+/// Mass of an element, kg; areas change as the square of the position, which Simpson's rule integrates exactly.
 fn element_mass(materials: &[Material], sections: &[Section], element: &Element) -> f64 {
-    materials[element.material].density * sections[element.section].area() * element.length
+    let [left, right] = element.faces.map(|face| sections[face].area());
+    let area = (left + 4.0 * sections[element.section].area() + right) / 6.0;
+    (materials[element.material].density * area + element.carried.added_mass) * element.length
 }
 
 /// What is referred to, in order of first use; the references are renumbered to that order.

@@ -83,6 +83,8 @@ pub enum Between {
     ShaftAndHousing(usize),
     /// A housing and the ground.
     HousingAndGround(usize),
+    /// Both sides of a coupling: the displacements of the left one less those of the right one.
+    Halves,
 }
 
 /// Linear springs, dampers and added mass at a node, in the fixed directions y and z:
@@ -117,9 +119,9 @@ impl Bearing {
         matches!(self.resists, Resists::Lateral | Resists::Tilt)
     }
 
-    /// True for springs of the shaft itself, not of a housing.
+    /// True for springs of bearings and seals, not of housings and couplings.
     pub fn holds_shaft(&self) -> bool {
-        !matches!(self.between, Between::HousingAndGround(_))
+        !matches!(self.between, Between::HousingAndGround(_) | Between::Halves)
     }
 
     /// True when the stiffness is not symmetric.

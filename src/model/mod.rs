@@ -182,6 +182,9 @@ pub struct Node {
     pub follower: Option<Field>,
     /// Joined by a thin face: plane and undistorted, it may widen as a whole.
     pub face: bool,
+    /// Joined by the springs of a coupling alone: own vectors are those of the left side, and those of the right side, the follower's,
+    /// are free.
+    pub coupled: bool,
 }
 
 impl Node {

@@ -23,6 +23,7 @@ fn steel(poisson_ratio: f64) -> Material {
         density: 7800.0,
         stiffness_damping: 0.0,
         mass_damping: 0.0,
+        loss_factor: 0.0,
     }
 }
 

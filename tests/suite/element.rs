@@ -74,6 +74,7 @@ fn reference_case(case: Value) -> Reference {
         density: number(&case["rho"]),
         stiffness_damping: 0.0,
         mass_damping: 0.0,
+        loss_factor: 0.0,
     };
     let length = number(&case["length_m"]);
     Reference { case, section, material, length }

@@ -19,6 +19,7 @@ const MATERIAL: Material = Material {
     density: 7800.0,
     stiffness_damping: 0.0,
     mass_damping: 0.0,
+    loss_factor: 0.0,
 };
 
 fn members() -> Vec<ElementKind> {

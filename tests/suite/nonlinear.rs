@@ -20,6 +20,7 @@ const MATERIAL: Material = Material {
     density: 7850.0,
     stiffness_damping: 1e-5,
     mass_damping: 0.0,
+    loss_factor: 0.0,
 };
 const LENGTH: f64 = 0.4;
 const R: f64 = 0.2;

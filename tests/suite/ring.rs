@@ -98,6 +98,7 @@ pub const STEEL: Material = Material {
     density: 7850.0,
     stiffness_damping: 1e-5,
     mass_damping: 0.0,
+    loss_factor: 0.0,
 };
 /// Length of an element, m.
 pub const LENGTH: f64 = 0.4;

@@ -25,6 +25,7 @@ fn steel() -> Material {
         density: 7850.0,
         stiffness_damping: 0.0,
         mass_damping: 0.0,
+        loss_factor: 0.0,
     }
 }
 

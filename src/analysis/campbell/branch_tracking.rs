@@ -169,7 +169,7 @@ mod tests {
     }
 
     fn solution(speed: f64, motions: Vec<Whirling>) -> Solution {
-        Solution { speed, oscillating: motions.len(), motions, overdamped: Vec::new() }
+        Solution { speed, oscillating: motions.len(), motions, overdamped: Vec::new(), unsettled: 0 }
     }
 
     /// Two motions whose shapes turn into each other by 45 degrees around speed 1 are as much alike one

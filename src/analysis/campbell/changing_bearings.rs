@@ -3,7 +3,7 @@
 //! The constant matrices hold the law at standstill. What a law at the speed Omega and the whirl frequency w has beside it,
 //! `f = -(dK u + dC u' + dM u'')` of the two displacements `u = B^T q`, enters as `B dK B^T` and `B dC B^T`. On a motion
 //! `exp(lambda t)` added mass is stiffness and damping: `lambda^2 = 2 Re(lambda) lambda - |lambda|^2`.
-//! Source: docs/theory/linear-rotordynamics.md#bearing-tables.
+//! Source: docs/theory/linear-rotordynamics.md#changing-bearings.
 
 use crate::linalg::sparse::Sparse;
 use crate::model::{Bearing, BearingTable, Coefficients};

@@ -92,8 +92,8 @@ pub fn fits(model: &Model, settings: &SpinupSettings) -> std::result::Result<(),
     if let Some(bearing) = model.bearings.iter().find(|b| !b.holds_shaft() || b.mass != [[0.0; 2]; 2]) {
         return Err(Refusal::at(
             bearing.path.clone(),
-            "housings and the added mass of bearings are not part of run-ups",
-            "a bearing without mass and housing; campbell, unbalance and harmonic have both",
+            "couplings, housings and the added mass of bearings are not part of run-ups",
+            "a shaft in one piece on bearings without mass and housing; campbell, unbalance and harmonic have all of them",
         ));
     }
     if let Some(bearing) =

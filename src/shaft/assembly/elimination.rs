@@ -36,7 +36,7 @@ pub(super) fn eliminate(model: &Model, numbering: &Numbering, supports: bool) ->
                 .collect();
         }
         follow(model, node, start, &mut expansion);
-        for coordinate in attachments::free_kinks(model, node) {
+        for coordinate in attachments::free_followers(model, node) {
             expansion[start + coordinate] = vec![(free.len(), 1.0)];
             free.push(start + coordinate);
         }
@@ -56,7 +56,9 @@ pub(super) fn eliminate(model: &Model, numbering: &Numbering, supports: bool) ->
 /// Expands the vectors that follow a node's own at a joint, `q_k = sum_l P_kl own_l`.
 pub(super) fn follow(model: &Model, node: usize, start: usize, expansion: &mut [Vec<(usize, f64)>]) {
     let Node { field, follower: Some(follower), .. } = model.nodes[node] else { return };
-    let Some(shared) = attachments::section_at(model, node) else { return };
+    let Some(shared) = attachments::section_at(model, node).filter(|_| !model.nodes[node].coupled) else {
+        return;
+    };
     let p = if model.nodes[node].face {
         // plane and undistorted: r, r_,y and r_,z of both sides are one
         Mat::from_fn(follower.count(), field.count(), |k, l| f64::from(k == l && k < 3))

@@ -142,7 +142,9 @@ impl<'a> Assembly<'a> {
         let of_node = |(node, at): (usize, &crate::model::Node)| {
             let start = self.numbering.index(node, 0, 0);
             let own = start + 3 * at.field.basis.count()..start + 3 * at.field.count();
-            let following = start + 3 * at.field.count()..self.numbering.normals(node).start;
+            // beyond a coupling all vectors are free
+            let others = at.follower.filter(|_| at.coupled).map_or(0, |f| f.basis.count());
+            let following = start + 3 * (at.field.count() + others)..self.numbering.normals(node).start;
             self.free_among(own).len() + self.free_among(following).len()
         };
         self.model.nodes.iter().enumerate().map(of_node).sum()

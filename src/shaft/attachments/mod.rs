@@ -152,7 +152,9 @@ pub fn functions_at(model: &Model, node: usize) -> SectionFunctions {
 
 /// Rows that hold what a node's own kinked functions would do on the area of a neighbour that lacks them.
 pub fn unmatched_kinks(model: &Model, node: usize) -> Vec<Vec<f64>> {
-    let Node { field, follower: Some(follower), .. } = model.nodes[node] else { return Vec::new() };
+    let Node { field, follower: Some(follower), coupled: false, .. } = model.nodes[node] else {
+        return Vec::new();
+    };
     let Some(shared) = section_at(model, node).filter(|_| !field.kinks.is_empty()) else { return Vec::new() };
     let own = functions(model, field);
     let (free, followed) = (own.free_on(&shared), own.followed_by(&functions(model, follower), &shared));
@@ -169,9 +171,17 @@ pub fn face_rows(model: &Model, node: usize) -> Vec<Vec<f64>> {
     (9..n).map(|at| (0..n).map(|i| f64::from(i == at)).collect()).collect()
 }
 
+/// Coordinates, counted from the first of a node, of followers that are free: those beyond a coupling, and those of [`free_kinks`].
+pub fn free_followers(model: &Model, node: usize) -> Vec<usize> {
+    let Node { field, follower: Some(follower), coupled: true, .. } = model.nodes[node] else {
+        return free_kinks(model, node);
+    };
+    (3 * field.count()..3 * (field.count() + follower.count())).collect()
+}
+
 /// Coordinates, counted from the first of a node, of kinked functions of the neighbour that follows and that vanish on the
 /// area both sides share: they are free at the face of the step.
-pub fn free_kinks(model: &Model, node: usize) -> Vec<usize> {
+fn free_kinks(model: &Model, node: usize) -> Vec<usize> {
     let Node { field, follower: Some(follower), .. } = model.nodes[node] else { return Vec::new() };
     let Some(shared) = section_at(model, node).filter(|_| !follower.kinks.is_empty()) else {
         return Vec::new();
@@ -491,20 +501,24 @@ pub fn place_rows(model: &Model, numbering: &Numbering, x: f64) -> [Vec<(usize, 
     let Some(region) = Region::of_field(model, element.field(), ActsOn::Section) else {
         return Default::default();
     };
-    let r = model.reference_length;
+    let xi = (2.0 * (x - element.x) / element.length - 1.0).clamp(-1.0, 1.0);
+    let shapes = lagrange(element.kind.axial_degree);
+    let nodes = shapes.iter().enumerate().map(|(i, n)| (numbering.of_element(element, i), evaluate(n, xi)));
+    section_motion(&region, model.reference_length, &nodes.filter(|(_, n)| *n != 0.0).collect::<Vec<_>>())
+}
+
+/// Mean displacement along x, y, z and mean turn about x, y, z of a region whose vectors start at the given coordinates, with factors.
+fn section_motion(region: &Region, r: f64, starts: &[(usize, f64)]) -> [Vec<(usize, f64)>; 6] {
     let [mean, along_y, along_z] = region.affine(r);
     let size = [region.moment(2, 0), region.moment(0, 2)];
     // int (y u_z - z u_y) / int (y^2 + z^2) by the slopes int y f / int y^2
     let share = |k: usize| size[k] / (size[0] + size[1]) / r;
-    let xi = (2.0 * (x - element.x) / element.length - 1.0).clamp(-1.0, 1.0);
-    let shapes: Vec<f64> = lagrange(element.kind.axial_degree).iter().map(|n| evaluate(n, xi)).collect();
     let row = |parts: &[(&Vec<f64>, usize, f64)]| -> Vec<(usize, f64)> {
         let mut row = Vec::new();
-        for (i, shape) in shapes.iter().enumerate().filter(|(_, s)| **s != 0.0) {
-            let start = numbering.of_element(element, i);
-            for (weights, component, factor) in parts {
+        for (start, factor) in starts {
+            for (weights, component, scale) in parts {
                 let used = weights.iter().enumerate().filter(|(_, w)| **w != 0.0);
-                row.extend(used.map(|(k, w)| (start + 3 * k + component, shape * factor * w)));
+                row.extend(used.map(|(k, w)| (start + 3 * k + component, factor * scale * w)));
             }
         }
         row
@@ -517,6 +531,31 @@ pub fn place_rows(model: &Model, numbering: &Numbering, x: f64) -> [Vec<(usize, 
         row(&[(&along_z, 0, 1.0 / r)]),
         row(&[(&along_y, 0, -1.0 / r)]),
     ]
+}
+
+/// What a coupling resists: mean displacements and turns of the section to its left less those of the one to its right.
+fn coupling_rows(model: &Model, numbering: &Numbering, bearing: &Bearing) -> [Vec<(usize, f64)>; 2] {
+    let Node { field, follower: Some(follower), .. } = model.nodes[bearing.node] else {
+        return Default::default();
+    };
+    let starts: Vec<usize> = numbering.fields(bearing.node).collect();
+    let mut rows: [Vec<(usize, f64)>; 6] = Default::default();
+    for (side, (field, factor)) in [(field, 1.0), (follower, -1.0)].into_iter().enumerate() {
+        let (Some(region), Some(&start)) =
+            (Region::of_field(model, field, ActsOn::Section), starts.get(side))
+        else {
+            return Default::default();
+        };
+        let own = section_motion(&region, model.reference_length, &[(start, factor)]);
+        rows.iter_mut().zip(own).for_each(|(row, own)| row.extend(own));
+    }
+    let [x, y, z, about_x, about_y, about_z] = rows;
+    match bearing.resists {
+        Resists::Lateral => [y, z],
+        Resists::Tilt => [about_y, about_z],
+        Resists::Axial => [x, Vec::new()],
+        Resists::Torsion => [about_x, Vec::new()],
+    }
 }
 
 /// Added mass of bearings and the mass of housings, on whole vectors.
@@ -541,6 +580,9 @@ pub fn bearing_mass(model: &Model, numbering: &Numbering) -> Vec<Contribution> {
 /// `int (y u_z - z u_y) / int (y^2 + z^2)`.
 pub fn bearing_rows(model: &Model, numbering: &Numbering, bearing: &Bearing) -> [Vec<(usize, f64)>; 2] {
     let Bearing { node, acts_on, .. } = *bearing;
+    if bearing.between == Between::Halves {
+        return coupling_rows(model, numbering, bearing);
+    }
     let component = |rows: Vec<(usize, f64)>, c: usize, by: f64| -> Vec<(usize, f64)> {
         rows.into_iter().map(|(at, w)| (at + c, by * w)).collect()
     };
@@ -551,7 +593,7 @@ pub fn bearing_rows(model: &Model, numbering: &Numbering, bearing: &Bearing) -> 
                 _ => displacement_weights(model, node, acts_on),
             };
             let housing = match bearing.between {
-                Between::ShaftAndGround => None,
+                Between::ShaftAndGround | Between::Halves => None,
                 Between::ShaftAndHousing(h) => Some((numbering.of_housing[h], -1.0)),
                 Between::HousingAndGround(h) => Some((numbering.of_housing[h], 1.0)),
             };

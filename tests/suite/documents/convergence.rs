@@ -20,6 +20,7 @@ const STEEL: Material = Material {
     density: 7800.0,
     stiffness_damping: 0.0,
     mass_damping: 0.0,
+    loss_factor: 0.0,
 };
 
 /// Relative errors of the lowest frequency of a kind over [`MESHES`], and the steepest rate between two of them.

@@ -106,6 +106,7 @@ pub fn campbell(speeds: Vec<f64>, branches: Vec<Branch>, critical_speeds: Vec<Cr
         branches,
         critical_speeds,
         orders: vec![2.0],
+        operating_speed: None,
         unstable_ranges: Vec::new(),
         stability_threshold_rad_s: None,
         reduction: Reduction { basis: Some(60), measured_error: Some(1e-8), stiffening_error: None },

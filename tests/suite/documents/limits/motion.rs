@@ -42,6 +42,7 @@ fn material() -> rotor::model::Material {
         density: 7800.0,
         stiffness_damping: 0.0,
         mass_damping: 0.0,
+        loss_factor: 0.0,
     }
 }
 
