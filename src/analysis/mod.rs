@@ -7,6 +7,7 @@ pub mod check;
 pub mod contact;
 pub mod equilibrium;
 pub mod joint;
+pub mod margins;
 pub mod mass_properties;
 pub mod matrices;
 pub mod modes;

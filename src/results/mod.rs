@@ -4,6 +4,7 @@
 mod contact;
 mod effects;
 mod forces;
+mod margins;
 mod matrices;
 mod rub_contact;
 mod spinup;
@@ -12,6 +13,7 @@ mod tradeoff;
 pub use contact::*;
 pub use effects::*;
 pub use forces::*;
+pub use margins::*;
 pub use matrices::*;
 pub use rub_contact::*;
 use serde::Serialize;

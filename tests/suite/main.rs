@@ -30,6 +30,7 @@ mod kinks;
 mod lcp;
 mod loads;
 mod machines;
+mod margins;
 mod memory;
 mod mutations;
 mod near_copies;
