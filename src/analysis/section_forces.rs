@@ -76,7 +76,8 @@ impl<'a> ForceReader<'a> {
                 let [y, z] = [0, 1].map(|i| rows[i].iter().map(|&(at, w)| w * list[at]).sum::<f64>());
                 acting.axes.in_space([0.0, y, z])
             };
-            let (u, v) = (felt(&acting.position), felt(&acting.velocity));
+            let (mut u, v) = (felt(&acting.position), felt(&acting.velocity));
+            (0..2).for_each(|c| u[1 + c] -= acting.load * bearing.offset[c]);
             let (k, c) = (&bearing.stiffness, &bearing.damping);
             let [y, z] = [0, 1]
                 .map(|i| (0..2).map(|j| k[i][j] * u[1 + j] + c[i][j] * v[1 + j]).fold(0.0, |sum, f| sum - f));

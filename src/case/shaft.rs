@@ -309,6 +309,9 @@ pub struct SupportInput {
     pub damping: Option<Matrix<Damping>>,
     /// Bearing: its coefficients over speed, in place of stiffness and damping: a list of rows, or a file.
     pub table: Option<TableInput>,
+    /// Bearing: how far along y and z it stands from the undeformed axis (raised, misaligned), default 0; acts in static and
+    /// spinup.
+    pub offset: Option<[Length; 2]>,
 }
 
 /// A load: force or moment at a position, or traction or pressure on a surface.

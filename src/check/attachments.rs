@@ -8,6 +8,9 @@ use crate::model::{ActsOn, Bearing, Disk, Field, Hub, SectionHold, Support, Supp
 use crate::section::{Section, Surface};
 use std::f64::consts::PI;
 
+/// Farthest that a bearing stands from the undeformed axis, m.
+const LARGEST_OFFSET_M: f64 = 1e15;
+
 impl Input<'_> {
     /// Mass, polar and diametral inertia of a disk, given as such or by its geometry.
     fn disk_inertias(&self, i: usize, d: &case::DiskInput) -> Result<[f64; 3]> {
@@ -219,7 +222,7 @@ impl Input<'_> {
                 ("revolute or cylindrical", &["section", "driven", "acts_on"])
             }
             (Some(Pinned | Roller), _) => ("pinned or roller", &["acts_on"]),
-            (Some(Bearing), _) => ("bearing", &["stiffness", "damping", "acts_on"]),
+            (Some(Bearing), _) => ("bearing", &["stiffness", "damping", "offset", "acts_on"]),
         };
         let given = [
             ("section", s.section.is_some()),
@@ -227,6 +230,7 @@ impl Input<'_> {
             ("acts_on", s.acts_on.is_some()),
             ("stiffness", s.stiffness.is_some()),
             ("damping", s.damping.is_some()),
+            ("offset", s.offset.is_some()),
         ];
         match given.iter().find(|(key, present)| *present && !allowed.contains(key)) {
             Some((key, _)) => self.fault(
@@ -279,7 +283,11 @@ impl Input<'_> {
                 "kyy >= 0, kzz >= 0 and ((kyz + kzy)/2)^2 <= kyy kzz",
             );
         }
-        Ok(Bearing { node, stiffness, damping, acts_on, path: path.to_owned() })
+        let offset = s.offset.map_or([0.0; 2], |o| o.map(|c| c.0));
+        for (c, value) in offset.iter().enumerate() {
+            self.within(&format!("{path}.offset.{c}"), value.abs(), 0.0, LARGEST_OFFSET_M)?;
+        }
+        Ok(Bearing { node, stiffness, damping, offset, acts_on, path: path.to_owned() })
     }
 
     pub(super) fn fix(&self, path: &str, names: &[String], field: &Field) -> Result<Vec<(usize, usize)>> {

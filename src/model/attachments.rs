@@ -69,6 +69,8 @@ pub struct Bearing {
     pub stiffness: [[f64; 2]; 2],
     /// `[[cyy, cyz], [czy, czz]]`, N s/m.
     pub damping: [[f64; 2]; 2],
+    /// Where along y and z its springs are without force, m from the undeformed axis.
+    pub offset: [f64; 2],
     /// What it holds.
     pub acts_on: ActsOn,
     /// JSON path, for reports.
