@@ -51,6 +51,7 @@ fn angle(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
 /// What is left of a force's leverage on the bent shaft: `exp(-0.75 phi^2)`; 1 where moments alone bend it.
 fn leverage(model: &Model, normals: &[[Vector3<f64>; 2]]) -> f64 {
     let pulled = model.has_gravity()
+        || model.has_bearing_offsets()
         || !model.tractions.is_empty()
         || model.loads.iter().any(|l| matches!(l.kind, LoadKind::Force(_)));
     if !pulled {

@@ -8,6 +8,7 @@ pub mod contact;
 pub mod critical_map;
 pub mod equilibrium;
 pub mod joint;
+pub mod margins;
 pub mod mass_properties;
 pub mod matrices;
 pub mod modes;
@@ -52,6 +53,9 @@ fn summary(model: &Model, degrees_of_freedom: usize, mass_kg: f64) -> ModelSumma
     if model.has_loads() {
         summary.left_out.push(LeftOut::LoadsInLinear);
     }
+    if model.has_bearing_offsets() {
+        summary.left_out.push(LeftOut::OffsetsInLinear);
+    }
     summary
 }
 
@@ -61,6 +65,9 @@ fn nonlinear_summary(model: &Model, degrees_of_freedom: usize) -> ModelSummary {
     let mut summary = contents(model, Modelled::FiniteDisplacements, degrees_of_freedom, mass_kg);
     summary.modelled.push(Modelled::InternalForces(quadrature_name(model)));
     summary.left_out.push(LeftOut::ContactOfShaft);
+    if model.has_bearing_offsets() {
+        summary.modelled.push(Modelled::BearingOffsets);
+    }
     summary
 }
 
@@ -187,6 +194,10 @@ fn ignored_input(model: &Model) -> Vec<Diagnostic> {
     }
     if model.has_loads() {
         list.push(Diagnostic::info("loads-ignored", "loads do not act in this linear analysis"));
+    }
+    if model.has_bearing_offsets() {
+        let text = "offsets of bearings do not act in this linear analysis about the undeformed shaft";
+        list.push(Diagnostic::info("offsets-ignored", text));
     }
     if model.quadrature != Quadrature::EXACT {
         list.push(Diagnostic::info(

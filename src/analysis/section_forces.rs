@@ -81,7 +81,8 @@ impl<'a> ForceReader<'a> {
                 let [_, y, z] = acting.axes.in_space([0.0, values[0], values[1]]);
                 [y, z]
             };
-            let (u, v) = (felt(&acting.position), felt(&acting.velocity));
+            let (mut u, v) = (felt(&acting.position), felt(&acting.velocity));
+            (0..2).for_each(|c| u[1 + c] -= acting.load * bearing.offset[c]);
             let (k, c) = (&bearing.stiffness, &bearing.damping);
             let [first, second] =
                 [0, 1].map(|i| (0..2).map(|j| k[i][j] * u[j] + c[i][j] * v[j]).fold(0.0, |sum, f| sum - f));

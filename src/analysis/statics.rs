@@ -52,7 +52,7 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
     let state = balance.solve(settings, None)?;
     let q = balance.coordinates(&state.z);
     diagnostics.extend(model_remarks(model, &assembly));
-    if !model.has_gravity() && !model.has_loads() {
+    if !model.has_gravity() && !model.has_loads() && !model.has_bearing_offsets() {
         diagnostics
             .push(Diagnostic::warning("no-loads", "the case has no loads and no gravity: nothing moves"));
     }

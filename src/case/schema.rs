@@ -189,13 +189,13 @@ fn sections() -> Value {
 fn supports() -> Value {
     json!([
         { "oneOf": [given(&["kind"]), given(&["fix"])] },
-        when("kind", &["clamped"], absent(&["driven", "stiffness", "damping", "table"])),
-        when("kind", &["revolute", "cylindrical"], absent(&["stiffness", "damping", "table"])),
-        when("kind", &["pinned", "roller"], absent(&["section", "driven", "stiffness", "damping", "table"])),
+        when("kind", &["clamped"], absent(&["driven", "stiffness", "damping", "table", "offset"])),
+        when("kind", &["revolute", "cylindrical"], absent(&["stiffness", "damping", "table", "offset"])),
+        when("kind", &["pinned", "roller"], absent(&["section", "driven", "stiffness", "damping", "table", "offset"])),
         when("kind", &["bearing"], json!({
             "oneOf": [given(&["stiffness"]), given(&["table"])], "allOf": [absent(&["section", "driven"])]
         })),
-        { "if": given(&["fix"]), "then": absent(&["section", "driven", "acts_on", "stiffness", "damping", "table"]) }
+        { "if": given(&["fix"]), "then": absent(&["section", "driven", "acts_on", "stiffness", "damping", "table", "offset"]) }
     ])
 }
 

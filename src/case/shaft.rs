@@ -358,6 +358,9 @@ pub struct SupportInput {
     pub torsional_stiffness: Option<TiltStiffness>,
     /// Bearing, seal: the same by the rate of that turn.
     pub torsional_damping: Option<TiltDamping>,
+    /// Bearing, seal: how far along y and z it stands from the undeformed axis (raised, misaligned), default 0; acts in static
+    /// and spinup.
+    pub offset: Option<[Length; 2]>,
     /// Bearing, seal: what stands between the lateral springs and the ground.
     pub housing: Option<HousingInput>,
 }

@@ -241,6 +241,7 @@ impl Input<'_> {
             ("torsional_stiffness", s.torsional_stiffness.is_some()),
             ("torsional_damping", s.torsional_damping.is_some()),
             ("housing", s.housing.is_some()),
+            ("offset", s.offset.is_some()),
         ];
         match given.iter().find(|(key, present)| *present && !allowed.contains(key)) {
             Some((key, _)) => self.fault(

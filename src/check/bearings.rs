@@ -7,8 +7,11 @@ use crate::error::Result;
 use crate::model::{ActsOn, Bearing, BearingTable, Between, Coefficients, Housing, Resists};
 use crate::units::Matrix;
 
+/// Farthest that a bearing stands from the undeformed axis, m.
+const LARGEST_OFFSET_M: f64 = 1e15;
 /// Keys of a bearing besides at and kind.
-pub(super) const OF_BEARINGS: [&str; 12] = [
+pub(super) const OF_BEARINGS: [&str; 13] = [
+    "offset",
     "stiffness",
     "table",
     "damping",
@@ -75,10 +78,15 @@ impl Input<'_> {
         bearings: &mut Bearings,
     ) -> Result<()> {
         let seal = kind == case::SupportKindInput::Seal;
+        let offset = s.offset.map_or([0.0; 2], |o| o.map(|c| c.0));
+        for (c, value) in offset.iter().enumerate() {
+            self.within(&format!("{path}.offset.{c}"), value.abs(), 0.0, LARGEST_OFFSET_M)?;
+        }
         let add = |resists, between, law: Coefficients, table| {
             let Coefficients { stiffness, damping, mass } = law;
             let path = path.to_owned();
-            Bearing { node, between, resists, stiffness, damping, mass, table, acts_on, seal, path }
+            let offset = if resists == Resists::Lateral { offset } else { [0.0; 2] };
+            Bearing { node, between, resists, stiffness, damping, mass, table, offset, acts_on, seal, path }
         };
         let others = [
             (Resists::Axial, "axial_", first!(s.axial_stiffness), first!(s.axial_damping)),
@@ -250,6 +258,7 @@ impl Input<'_> {
             damping,
             mass,
             table: None,
+            offset: [0.0; 2],
             acts_on: ActsOn::Section,
             seal: false,
             path: path.to_owned(),
@@ -301,6 +310,7 @@ impl Input<'_> {
                     damping,
                     mass: LawMatrix::default(),
                     table: None,
+                    offset: [0.0; 2],
                     acts_on: ActsOn::Section,
                     seal: false,
                     path: path.clone(),

@@ -105,6 +105,8 @@ pub struct Bearing {
     pub mass: [[f64; 2]; 2],
     /// The same over speed and whirl frequency, where they change; the values above are then those at standstill.
     pub table: Option<BearingTable>,
+    /// Where along y and z its springs are without force, m from the undeformed axis.
+    pub offset: [f64; 2],
     /// What it holds.
     pub acts_on: ActsOn,
     /// True where it carries no static load.

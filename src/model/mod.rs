@@ -358,6 +358,11 @@ impl Model {
         self.gravity.iter().any(|g| *g != 0.0)
     }
 
+    /// True when a bearing stands beside the undeformed axis.
+    pub fn has_bearing_offsets(&self) -> bool {
+        self.bearings.iter().any(|b| b.offset != [0.0; 2])
+    }
+
     /// True when forces, moments or tractions act.
     pub fn has_loads(&self) -> bool {
         !self.loads.is_empty() || !self.tractions.is_empty()

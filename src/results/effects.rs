@@ -28,6 +28,8 @@ pub enum Modelled {
     AddedMass,
     /// Axial forces and torques of segments.
     InitialStress,
+    /// Bearings beside the undeformed axis.
+    BearingOffsets,
     /// Rule by which the internal forces are integrated.
     InternalForces(String),
     /// Gravity acts.
@@ -141,6 +143,8 @@ pub enum LeftOut {
     LoadsOfRunUp,
     /// Loads in a linear analysis.
     LoadsInLinear,
+    /// Bearings beside the undeformed axis, in a linear analysis.
+    OffsetsInLinear,
     /// Contact of a shaft with anything.
     ContactOfShaft,
     /// Time in a static analysis.
@@ -244,6 +248,7 @@ impl Display for Modelled {
             Self::FiniteDisplacementsOfBodies => f.write_str("finite displacements"),
             Self::Gravity => f.write_str("gravity"),
             Self::Loads => f.write_str("loads"),
+            Self::BearingOffsets => f.write_str("offsets of bearings"),
             Self::CoriolisTerms => f.write_str("Coriolis terms of shaft and disks (rotating frame)"),
             Self::GyroscopicTerms => f.write_str("gyroscopic terms of shaft and disks"),
             Self::GyroscopicTermsOfDisks => f.write_str("gyroscopic terms of the disks"),
@@ -293,6 +298,9 @@ impl Display for LeftOut {
             Self::Loads => f.write_str("loads: none given"),
             Self::LoadsOfRunUp => f.write_str("dead loads: none given"),
             Self::LoadsInLinear => f.write_str("loads: a linear analysis about the undeformed state"),
+            Self::OffsetsInLinear => {
+                f.write_str("offsets of bearings: a linear analysis about the undeformed state")
+            }
             Self::ContactOfShaft => f.write_str("contact: none with other bodies (`rotor contact`)"),
             Self::Motion => f.write_str("inertia, spin and damping: a static analysis"),
             Self::SpinOfModes => {

@@ -91,6 +91,7 @@ pub fn is_constant_in_turning_frame(model: &Model) -> bool {
     let even = |b: &Bearing| [b.stiffness, b.damping].iter().all(|law| uneven(b, *law) == [0.0; 2]);
     model.bearings.iter().all(even)
         && [model.gravity[1], model.gravity[2]] == [0.0; 2]
+        && !model.has_bearing_offsets()
         && model.loads.iter().all(|load| load.is_constant_in_turning_frame())
         && model.tractions.iter().all(|load| load.is_constant_in_turning_frame())
 }

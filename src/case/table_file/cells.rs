@@ -7,10 +7,13 @@ use std::io::Cursor;
 /// Most rows and columns that are read.
 const MOST: (usize, usize) = (200_000, 256);
 
+/// A row that holds anything: its number in the file, from 1, and its cells.
+pub(super) type Row = (usize, Vec<String>);
+
 /// Cells of a file.
 pub(super) struct Cells {
-    /// Rows that hold anything, each with its number in the file, from 1.
-    pub rows: Vec<(usize, Vec<String>)>,
+    /// Its rows.
+    pub rows: Vec<Row>,
     /// Whether a comma may be the decimal point.
     pub decimal_comma: bool,
     /// What stands between the cells, for messages.
@@ -27,7 +30,7 @@ pub(super) fn cells(bytes: &[u8], sheet: Option<&str>) -> Result<Cells, Trouble>
         }
         _ => text(bytes, sheet)?,
     };
-    let holds = |row: &(usize, Vec<String>)| row.1.iter().any(|cell| !cell.is_empty());
+    let holds = |row: &Row| row.1.iter().any(|cell| !cell.is_empty());
     let rows: Vec<_> = found.rows.into_iter().filter(holds).collect();
     if rows.is_empty() {
         return Err(Trouble::of_file(
@@ -109,20 +112,14 @@ fn within(rows: usize, columns: usize) -> Result<(), Trouble> {
 }
 
 fn workbook(bytes: &[u8], sheet: Option<&str>) -> Result<Cells, Trouble> {
-    let broken = |e: calamine::XlsxError| {
-        Trouble::of_file(
-            format!("the workbook can't be read: {e}"),
-            "a workbook (.xlsx) that opens in a spreadsheet",
-        )
-    };
     let mut book: Xlsx<_> = calamine::open_workbook_from_rs(Cursor::new(bytes)).map_err(broken)?;
     let names = book.sheet_names();
     if let Some(name) = sheet.filter(|name| !names.iter().any(|n| n == name)) {
         return Err(Trouble::of_file(format!("the workbook has no sheet \"{name}\""), names.join(", ")));
     }
-    let mut found: Vec<(String, Vec<(usize, Vec<String>)>)> = Vec::new();
+    let mut found: Vec<(String, Vec<Row>)> = Vec::new();
     for name in names.iter().filter(|name| sheet.is_none_or(|wanted| wanted == *name)) {
-        let rows = sheet_rows(&mut book, name).map_err(broken)??;
+        let rows = sheet_rows(&mut book, name)?;
         if rows.iter().any(|row| row.1.iter().any(|cell| !cell.is_empty())) {
             found.push((name.clone(), rows));
         }
@@ -135,14 +132,16 @@ fn workbook(bytes: &[u8], sheet: Option<&str>) -> Result<Cells, Trouble> {
     Ok(Cells { rows, decimal_comma: false, between: "cell" })
 }
 
+fn broken(error: calamine::XlsxError) -> Trouble {
+    let allowed = "a workbook (.xlsx) that opens in a spreadsheet";
+    Trouble::of_file(format!("the workbook can't be read: {error}"), allowed)
+}
+
 /// The rows of a sheet.
-fn sheet_rows(
-    book: &mut Xlsx<Cursor<&[u8]>>,
-    name: &str,
-) -> Result<Result<Vec<(usize, Vec<String>)>, Trouble>, calamine::XlsxError> {
-    let mut rows: Vec<(usize, Vec<String>)> = Vec::new();
-    let mut reader = book.worksheet_cells_reader(name)?;
-    while let Some(cell) = reader.next_cell()? {
+fn sheet_rows(book: &mut Xlsx<Cursor<&[u8]>>, name: &str) -> Result<Vec<Row>, Trouble> {
+    let mut rows: Vec<Row> = Vec::new();
+    let mut reader = book.worksheet_cells_reader(name).map_err(broken)?;
+    while let Some(cell) = reader.next_cell().map_err(broken)? {
         let text = match cell.get_value() {
             DataRef::Int(n) => n.to_string(),
             DataRef::Float(x) => x.to_string(),
@@ -155,9 +154,7 @@ fn sheet_rows(
         };
         let (row, column) = cell.get_position();
         let (line, column) = (row as usize + 1, column as usize);
-        if let Err(trouble) = within(rows.len(), column) {
-            return Ok(Err(trouble));
-        }
+        within(rows.len(), column)?;
         if rows.last().is_none_or(|(last, _)| *last != line) {
             rows.push((line, Vec::new()));
         }
@@ -166,5 +163,5 @@ fn sheet_rows(
             cells[column] = text;
         }
     }
-    Ok(Ok(rows))
+    Ok(rows)
 }

@@ -1,5 +1,6 @@
 //! What the columns of a file mean: names and units of its header.
 
+use crate::case::table_file::cells::Row;
 use crate::case::table_file::{Place, Trouble};
 use crate::case::words::nearest;
 use crate::units::unit_factor;
@@ -78,10 +79,7 @@ fn entry(plain: &str) -> Option<(usize, [char; 2])> {
 }
 
 /// The columns of a header; `units` is the row below it where that holds units.
-pub(super) fn columns(
-    (line, header): &(usize, Vec<String>),
-    units: Option<&(usize, Vec<String>)>,
-) -> Result<Vec<Column>, Trouble> {
+pub(super) fn columns((line, header): &Row, units: Option<&Row>) -> Result<Vec<Column>, Trouble> {
     let names: Vec<String> = header.iter().map(|cell| plain(parts(cell).0)).collect();
     let axes: Vec<char> = names.iter().filter_map(|name| entry(name)).flat_map(|(_, axes)| axes).collect();
     let of_field = !axes.contains(&'z');
@@ -131,7 +129,7 @@ fn factor(
     place: &Place,
     written: &str,
     name: &str,
-    units: Option<&(usize, Vec<String>)>,
+    units: Option<&Row>,
     dimension: &'static str,
 ) -> Result<f64, Trouble> {
     let below =

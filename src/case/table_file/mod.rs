@@ -10,7 +10,7 @@ use crate::case::paths::shown;
 use crate::case::words::input_error;
 use crate::error::{Refusal, Result};
 use crate::units::within_range;
-use cells::{Cells, cells};
+use cells::{Cells, Row, cells};
 use columns::{Column, Holds, columns};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -176,7 +176,7 @@ fn rows(cells: &Cells) -> std::result::Result<Value, Trouble> {
 }
 
 /// Whether commas are decimal points; they are where semicolons stand between the cells, and then no point is one.
-fn points_or_commas(cells: &Cells, numbers: &[(usize, Vec<String>)]) -> std::result::Result<bool, Trouble> {
+fn points_or_commas(cells: &Cells, numbers: &[Row]) -> std::result::Result<bool, Trouble> {
     let with = |c: char| {
         let all = numbers.iter().flat_map(|(line, row)| row.iter().map(move |cell| (*line, cell)));
         all.filter(move |(_, cell)| like_number(cell) && cell.contains(c))

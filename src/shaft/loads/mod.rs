@@ -12,7 +12,9 @@ use crate::element::boundary_curve::{LinePoint, line};
 use crate::element::quadrature::gauss;
 use crate::model::{Element, Load, LoadKind, Model, Reading, SurfaceLoad, Traction};
 use crate::section::Surface;
-use crate::shaft::attachments::{Contribution, Numbering, Region, displacement_weights, functions};
+use crate::shaft::attachments::{
+    Contribution, Numbering, Region, bearing_rows, displacement_weights, functions,
+};
 use crate::shaft::internal_forces::ScalarMass;
 use section::SectionLoad;
 use surface::ElementSurface;
@@ -65,7 +67,8 @@ pub enum Which {
 
 /// The loads of a model.
 pub struct Loads {
-    /// Sum of gravity and of all loads that are fixed in space, on all coordinates, N.
+    /// Sum of gravity, of all loads that are fixed in space and of the pull of bearings that stand beside the axis, on all
+    /// coordinates, N.
     fixed: Vec<f64>,
     /// Every load: its path in the case (`loads.0`) and its law.
     list: Vec<(String, LoadLaw)>,
@@ -90,6 +93,9 @@ impl Loads {
             if gravity != [0.0; 3] {
                 let weight = weight(model, numbering, mass, gravity);
                 fixed.iter_mut().zip(&weight).for_each(|(sum, w)| *sum += w);
+            }
+            if !turning {
+                add_pull_of_offsets(model, numbering, &mut fixed);
             }
         }
         Self { fixed, list }
@@ -243,6 +249,16 @@ fn spread(model: &Model, numbering: &Numbering, traction: &Traction, all: &mut [
         model.elements.iter().for_each(|e| add_dead_traction(model, numbering, e, traction, force));
     };
     fixed_in_space(add, all)
+}
+
+/// `K d` of every bearing that stands at d beside the undeformed axis: with it the springs' force `-K u` becomes `K (d - u)`.
+fn add_pull_of_offsets(model: &Model, numbering: &Numbering, force: &mut [f64]) {
+    for bearing in model.bearings.iter().filter(|b| b.offset != [0.0; 2]) {
+        let pull = bearing.stiffness.map(|[y, z]| y * bearing.offset[0] + z * bearing.offset[1]);
+        for (row, pull) in bearing_rows(model, numbering, bearing).iter().zip(pull) {
+            row.iter().for_each(|&(at, w)| force[at] += w * pull);
+        }
+    }
 }
 
 /// Weight of shaft and disks on all coordinates, N.
