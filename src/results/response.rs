@@ -1,6 +1,6 @@
 //! Results of steady vibration: unbalance and harmonic excitation.
 
-use crate::results::Whirl;
+use crate::results::{Verdict, Whirl};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -23,6 +23,8 @@ pub struct UnbalanceResponse {
     pub stations: Vec<StationResponse>,
     /// Peaks of every station, by ascending speed.
     pub peaks: Vec<Peak>,
+    /// What the standards say, where the case has operating speeds.
+    pub margins: Vec<Margin>,
     /// What bearings and housings carry, by JSON path.
     #[serde(rename = "bearing_forces_N")]
     pub bearing_forces_n: BTreeMap<String, ForceResponse>,
@@ -148,6 +150,27 @@ pub struct Peak {
     pub amplitude_m: f64,
     /// Phase there.
     pub phase_rad: f64,
+    /// Speeds below and above at which the amplitude is 0.707 of it; null where there is none.
+    pub half_power_rad_s: [Option<f64>; 2],
+    /// Speed over the distance of these.
+    pub amplification_factor: Option<f64>,
+    /// Distance from the operating speeds, percent of the minimum (below) or the maximum (above); null within, and without operating
+    /// speeds.
+    pub separation_margin_percent: Option<f64>,
+    /// Distance that the standard asks for; null where it asks for none.
+    pub required_percent: Option<f64>,
+    /// Whether the standard is met; null without operating speeds.
+    pub pass: Option<bool>,
+}
+
+/// A verdict and what it is about.
+#[derive(Debug, Clone, Serialize)]
+pub struct Margin {
+    /// Station, clearance or motion.
+    pub subject: String,
+    /// What was found, what is asked for, and by which rule.
+    #[serde(flatten)]
+    pub verdict: Verdict,
 }
 
 /// The deflected shaft at a speed: complex amplitudes from zero to peak at element ends.

@@ -24,6 +24,7 @@ pub const ENTRY: Entry = Entry {
         "speeds_rad_s",
         "stations",
         "peaks",
+        "margins",
         "bearing_forces_N",
         "shapes",
         "stability_threshold_rad_s",

@@ -73,10 +73,11 @@ impl<'m> Readings<'m> {
         self.shape.iter().map(|(x, place)| (*x, orbit(place, q))).collect()
     }
 
-    /// Responses of all stations, displacements times `factor`, for displacements on the basis at each speed or frequency, to each of
+    /// Responses of the first `count` stations, displacements times `factor`, for displacements on the basis at each speed or frequency, to each of
     /// which a motion of the ground is added.
     pub fn stations(
         &self,
+        count: usize,
         all: &[Vec<c64>],
         ground: &[[c64; 2]],
         factor: f64,
@@ -112,7 +113,7 @@ impl<'m> Readings<'m> {
             }
             response
         };
-        self.stations.iter().enumerate().map(one).collect()
+        self.stations.iter().take(count).enumerate().map(one).collect()
     }
 
     /// Forces that the shaft exerts on bearings, and bearings on housings and housings on the ground: `(K + i w C - w^2 M) u` at each

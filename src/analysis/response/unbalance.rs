@@ -5,23 +5,24 @@
 
 use crate::accuracy::locking_and_rounding::{refuse_dependent, refuse_tiny_bore};
 use crate::analysis::campbell::synchronous::critical_speeds;
+use crate::analysis::margins;
 use crate::analysis::response::frame;
 use crate::analysis::response::readings::Readings;
 use crate::analysis::response::vibration::{Place, Vibration};
 use crate::analysis::{Counter, Outcome, model_remarks, operating_range, summary, table_remarks};
 use crate::error::{Refusal, Result};
-use crate::model::{Form, Model, Unbalance, UnbalanceSettings};
-use crate::results::{DeflectedShape, Modelled, Peak, UnbalanceMass, UnbalanceResponse};
+use crate::model::{Form, Model, OperatingSpeed, Station, Unbalance, UnbalanceSettings};
+use crate::results::{DeflectedShape, Margin, Modelled, Peak, UnbalanceMass, UnbalanceResponse};
 use crate::shaft::assembly::Assembly;
 use crate::shaft::attachments::place_rows;
 use faer::c64;
 use rayon::prelude::*;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// Relative distances from a critical speed at which the response is looked at for a peak.
 const AROUND: [f64; 9] = [0.0, 1e-5, 1e-4, 1e-3, 3e-3, 0.01, 0.02, 0.04, 0.08];
-/// Relative accuracy of the speed of a peak.
-const PEAK_RTOL: f64 = 1e-9;
+/// Circularity from which a motion is a forward one.
+const LEAST_CIRCULARITY: f64 = 0.01;
 /// Share of the largest amplitude of a station below which a maximum is none.
 const LEAST_PEAK: f64 = 1e-9;
 /// Speeds over the whole range at which the few vectors are held against the basis.
@@ -67,7 +68,10 @@ pub fn unbalance(
     let criticals = undamped(&vibration, highest)?;
     let measured_error = settle(&mut vibration, settings, &criticals, highest)?;
     let vibration = vibration;
-    let readings = Readings::new(&vibration, &settings.stations);
+    // clearances are stations that are not told
+    let mut stations = settings.stations.clone();
+    stations.extend(model.clearances.iter().map(|c| Station { name: c.name.clone(), x: c.x, angle: None }));
+    let readings = Readings::new(&vibration, &stations);
     let response = |speed: f64| vibration.solve(speed, speed, &shares(&settings.masses, speed));
     let solve_all = |speeds: &[f64], told: bool| -> Result<Vec<Vec<c64>>> {
         let one = |speed: &f64| {
@@ -83,8 +87,8 @@ pub fn unbalance(
     let fine_speeds = looks(settings, &criticals);
     let fine = solve_all(&fine_speeds, false)?;
     let factor = settings.amplitude.factor();
-    let mut peaks = Vec::new();
-    let mut curves = Vec::new();
+    let operating = model.operating_speed.map(|o| [o.minimum, o.maximum]);
+    let (mut peaks, mut curves, mut margins) = (Vec::new(), Vec::new(), Vec::new());
     for (i, station) in settings.stations.iter().enumerate() {
         let told = |q: &[c64]| readings.told(i, q);
         let mut curve: Vec<[f64; 3]> = fine_speeds
@@ -92,23 +96,38 @@ pub fn unbalance(
             .zip(&fine)
             .map(|(s, q)| [*s, factor * told(q).norm(), told(q).arg()])
             .collect();
-        let amplitude = |speed: f64| -> Result<f64> { Ok(told(&response(speed)?).norm()) };
-        for speed in maxima(&curve, &amplitude)? {
-            let there = told(&response(speed)?);
-            curve.push([speed, factor * there.norm(), there.arg()]);
+        let at = |speed: f64| response(speed).map_or(c64::new(0.0, 0.0), |q| told(&q));
+        let largest = curve.iter().fold(0.0, |m: f64, c| m.max(c[1]));
+        let found = margins::peaks(&|speed| factor * at(speed).norm(), &fine_speeds);
+        for peak in found.into_iter().filter(|p| p.amplitude > LEAST_PEAK * largest) {
+            let phase_rad = at(peak.speed_rad_s).arg();
+            curve.push([peak.speed_rad_s, peak.amplitude, phase_rad]);
+            let verdict = operating.map(|range| margins::separation(&peak, range));
             peaks.push(Peak {
                 station: station.name.clone(),
                 at: station.x,
-                speed_rad_s: speed,
-                speed_rpm: speed * 30.0 / PI,
-                amplitude_m: factor * there.norm(),
-                phase_rad: there.arg(),
+                speed_rad_s: peak.speed_rad_s,
+                speed_rpm: peak.speed_rad_s * 30.0 / PI,
+                amplitude_m: peak.amplitude,
+                phase_rad,
+                half_power_rad_s: [peak.lower_speed_rad_s, peak.upper_speed_rad_s],
+                amplification_factor: peak.amplification_factor,
+                separation_margin_percent: verdict.as_ref().and_then(|v| v.value),
+                required_percent: verdict.as_ref().and_then(|v| v.limit),
+                pass: verdict.as_ref().map(|v| v.pass),
             });
+            margins.extend(verdict.map(|verdict| Margin { subject: station.name.clone(), verdict }));
         }
         curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
         curves.push(curve);
     }
     peaks.sort_by(|a, b| a.speed_rad_s.total_cmp(&b.speed_rad_s).then(a.at.total_cmp(&b.at)));
+    if let Some(operating) = model.operating_speed {
+        let orbits = |i: usize| fine.iter().map(|q| readings.orbit(i, q).major()).collect();
+        let majors: Vec<Vec<f64>> = (0..stations.len()).map(orbits).collect();
+        margins.extend(limits(model, settings, operating, &fine_speeds, &majors));
+        margins.extend(level_one(&vibration, operating)?);
+    }
     let stability_threshold_rad_s = vibration.threshold(highest, &mut diagnostics)?;
 
     let mut summary =
@@ -133,9 +152,10 @@ pub fn unbalance(
             })
             .collect(),
         operating_speed: operating_range(model),
-        stations: readings.stations(&all, &[], factor, true),
+        stations: readings.stations(settings.stations.len(), &all, &[], factor, true),
         shapes: shapes(settings, &peaks, &readings, &response)?,
         peaks,
+        margins,
         bearing_forces_n: forces.into_iter().collect(),
         stability_threshold_rad_s,
         measured_error,
@@ -199,33 +219,54 @@ fn looks(settings: &UnbalanceSettings, criticals: &[f64]) -> Vec<f64> {
     list
 }
 
-/// Speeds of the maxima of a curve `[speed, amplitude, ..]`, refined by golden sections.
-fn maxima(curve: &[[f64; 3]], amplitude: &dyn Fn(f64) -> Result<f64>) -> Result<Vec<f64>> {
-    let largest = curve.iter().fold(0.0, |m: f64, c| m.max(c[1]));
-    let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
+/// Vibration limit and scaled clearances, and the unbalance, against the rules of the standards: amplitudes are whole major axes.
+fn limits(
+    model: &Model,
+    settings: &UnbalanceSettings,
+    operating: OperatingSpeed,
+    speeds: &[f64],
+    majors: &[Vec<f64>],
+) -> Vec<Margin> {
+    const MICROMETRES: f64 = 1e6;
+    let trip = operating.trip.unwrap_or(operating.maximum);
+    let largest = |i: usize, from: f64, to: f64| {
+        let within = speeds.iter().zip(&majors[i]).filter(|(s, _)| (from..=to).contains(*s));
+        within.fold(0.0, |m: f64, (_, v)| m.max(2.0 * v * MICROMETRES))
+    };
     let mut list = Vec::new();
-    for w in curve.windows(3) {
-        let is_peak = w[1][1] > w[0][1] && w[1][1] >= w[2][1] && w[1][1] > LEAST_PEAK * largest;
-        if !is_peak {
-            continue;
-        }
-        let (mut low, mut high) = (w[0][0], w[2][0]);
-        let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));
-        let (mut at_a, mut at_b) = (amplitude(a)?, amplitude(b)?);
-        while high - low > PEAK_RTOL * high {
-            if at_a > at_b {
-                (high, b, at_b) = (b, a, at_a);
-                a = high - golden * (high - low);
-                at_a = amplitude(a)?;
-            } else {
-                (low, a, at_a) = (a, b, at_b);
-                b = low + golden * (high - low);
-                at_b = amplitude(b)?;
-            }
-        }
-        list.push((low + high) / 2.0);
+    if !speeds.iter().any(|s| (operating.minimum..=trip).contains(s)) {
+        return list;
     }
-    Ok(list)
+    let mut most = 0.0_f64;
+    for (i, station) in settings.stations.iter().enumerate() {
+        let amplitude = largest(i, operating.minimum, trip);
+        most = most.max(amplitude);
+        let verdict = margins::vibration(amplitude, operating.maximum);
+        list.push(Margin { subject: station.name.clone(), verdict });
+    }
+    let scale = margins::scale_factor(margins::amplitude_limit_um(operating.maximum), most);
+    for (k, clearance) in model.clearances.iter().enumerate() {
+        let amplitude = largest(settings.stations.len() + k, 0.0, trip);
+        let verdict = margins::clearance(amplitude, scale, 2.0 * clearance.gap * MICROMETRES);
+        list.push(Margin { subject: clearance.name.clone(), verdict });
+    }
+    let moments: f64 = settings.masses.iter().map(|m| m.moment).sum();
+    let mass = crate::analysis::mass_properties::properties(model).mass();
+    let verdict = margins::residual_unbalance(moments * 1e6, mass, operating.maximum);
+    list.push(Margin { subject: "all masses, whole rotor".to_owned(), verdict });
+    list
+}
+
+/// Log decrement of the first forward motion at the highest speed of operation.
+fn level_one(vibration: &Vibration<'_>, operating: OperatingSpeed) -> Result<Option<Margin>> {
+    let solution = vibration.reduced.solve(operating.maximum)?;
+    let mut moving = solution.motions[..solution.oscillating].iter();
+    let forward = moving.find(|m| vibration.reduced.travel_of(m) > LEAST_CIRCULARITY);
+    Ok(forward.map(|m| {
+        let verdict = margins::stability(-TAU * m.lambda.re / m.lambda.im);
+        let subject = format!("forward motion at {:.2} Hz", m.lambda.im / TAU);
+        Margin { subject, verdict }
+    }))
 }
 
 /// The deflected shaft at the speeds asked for and at the peaks of any station.

@@ -19,12 +19,37 @@ pub fn unbalance(results: &UnbalanceResponse) -> String {
                     format!("{:.2}", p.speed_rpm),
                     format!("{:.5e}", p.amplitude_m),
                     format!("{:.1}", p.phase_rad * 180.0 / PI),
+                    p.amplification_factor.map_or("-".to_owned(), |f| format!("{f:.2}")),
                     short(p.at),
                     p.station.clone(),
                 ]
             })
             .collect();
-        text += &columns(&["rpm", "amplitude (m)", "phase (deg)", "at (m)", "station"], &rows);
+        text += &columns(&["rpm", "amplitude (m)", "phase (deg)", "AF", "at (m)", "station"], &rows);
+    }
+    if !results.margins.is_empty() {
+        text += "\n  margins (operating speed)\n";
+        let rows: Vec<Vec<String>> = results
+            .margins
+            .iter()
+            .map(|m| {
+                let pass = if m.verdict.pass { "pass" } else { "FAIL" };
+                vec![
+                    pass.to_owned(),
+                    m.verdict.rule.to_owned(),
+                    format!("{}: {}", m.subject, m.verdict.reason),
+                ]
+            })
+            .collect();
+        text += &columns(&["", "rule", "why"], &rows);
+        let mut editions: Vec<String> = Vec::new();
+        for m in &results.margins {
+            let line = format!("  {}: {} ({})\n", m.verdict.rule, m.verdict.formula, m.verdict.edition);
+            if !editions.contains(&line) {
+                editions.push(line);
+            }
+        }
+        text += &editions.concat();
     }
     let last = results.speeds_rad_s.last().copied().unwrap_or(0.0);
     text += &format!("\n  response at {:.2} rpm\n", last * 30.0 / PI);
