@@ -227,7 +227,8 @@ pub fn critical_map(
     let mut summary =
         summary(model, assembly.size(), crate::analysis::mass_properties::properties(model).mass());
     summary.modelled.push(Modelled::GyroscopicTerms);
-    summary.left_out.extend([LeftOut::Damping, LeftOut::SpinStiffening]);
+    let undamped = "damping and cross-coupling: the map is that of undamped critical speeds".to_owned();
+    summary.left_out.extend([LeftOut::Told(undamped), LeftOut::SpinStiffening]);
     let results = CriticalMap {
         stiffness_n_m: settings.stiffness.clone(),
         bearings: settings.bearings.clone(),

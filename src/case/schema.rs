@@ -187,15 +187,47 @@ fn sections() -> Value {
 
 /// Which keys a support of each kind takes.
 fn supports() -> Value {
+    const OF_BEARINGS: [&str; 12] = [
+        "stiffness",
+        "damping",
+        "table",
+        "offset",
+        "mass",
+        "axial_stiffness",
+        "axial_damping",
+        "tilt_stiffness",
+        "tilt_damping",
+        "torsional_stiffness",
+        "torsional_damping",
+        "housing",
+    ];
+    let without = |more: &[&'static str]| absent(&[more, &OF_BEARINGS].concat());
+    let any: Vec<Value> = [
+        "stiffness",
+        "table",
+        "axial_stiffness",
+        "axial_damping",
+        "tilt_stiffness",
+        "tilt_damping",
+        "torsional_stiffness",
+        "torsional_damping",
+    ]
+    .iter()
+    .map(|key| given(&[key]))
+    .collect();
     json!([
         { "oneOf": [given(&["kind"]), given(&["fix"])] },
-        when("kind", &["clamped"], absent(&["driven", "stiffness", "damping", "table", "offset"])),
-        when("kind", &["revolute", "cylindrical"], absent(&["stiffness", "damping", "table", "offset"])),
-        when("kind", &["pinned", "roller"], absent(&["section", "driven", "stiffness", "damping", "table", "offset"])),
-        when("kind", &["bearing"], json!({
-            "oneOf": [given(&["stiffness"]), given(&["table"])], "allOf": [absent(&["section", "driven"])]
+        when("kind", &["clamped"], without(&["driven"])),
+        when("kind", &["revolute", "cylindrical"], without(&[])),
+        when("kind", &["pinned", "roller"], without(&["section", "driven"])),
+        when("kind", &["bearing", "seal"], json!({
+            "anyOf": any,
+            "allOf": [
+                absent(&["section", "driven"]),
+                { "if": given(&["table"]), "then": absent(&["stiffness", "damping", "mass"]) }
+            ]
         })),
-        { "if": given(&["fix"]), "then": absent(&["section", "driven", "acts_on", "stiffness", "damping", "table", "offset"]) }
+        { "if": given(&["fix"]), "then": without(&["section", "driven", "acts_on"]) }
     ])
 }
 

@@ -79,6 +79,7 @@ impl Model {
             operating_speed,
             clearances: input.clearances(length)?,
             unbalance,
+            spinning_masses: Vec::new(),
             harmonic,
             map: input.map(length, operating_speed)?,
             reference_length: sections.iter().map(Section::outer_size).fold(0.0, f64::max),
@@ -509,8 +510,12 @@ impl Input<'_> {
         let couplings = couplings.map(|(i, c)| (format!("couplings.{i}.at"), c.at.0));
         let driven = self.case.spinup.iter().filter_map(|s| s.driven_at);
         let driven = driven.map(|at| ("spinup.driven_at".to_owned(), at.0));
+        // where a run-up may find them in its mass matrix
+        let masses = self.case.unbalance.iter().filter(|_| self.case.spinup.is_some());
+        let masses = masses.flat_map(|u| u.masses.iter().enumerate());
+        let masses = masses.map(|(i, m)| (format!("unbalance.masses.{i}.at"), m.at.0));
         let mut list = Vec::new();
-        for (path, at) in disks.chain(supports).chain(loads).chain(couplings).chain(driven) {
+        for (path, at) in disks.chain(supports).chain(loads).chain(couplings).chain(driven).chain(masses) {
             self.on_shaft(&path, at, length)?;
             list.push((path, at));
         }

@@ -207,6 +207,7 @@ impl Input<'_> {
                 moment: disk.mass * y.hypot(z),
                 angle: z.atan2(y),
                 path: format!("disks.{i}.offset"),
+                of_disk: true,
             });
         }
         if let Some(grade) = &u.grade {
@@ -260,7 +261,7 @@ impl Input<'_> {
             }
         };
         let angle = m.angle.map_or(0.0, |a| a.0);
-        Ok(Unbalance { x: m.at.0.clamp(0.0, length), moment, angle, path: path.to_owned() })
+        Ok(Unbalance { x: m.at.0.clamp(0.0, length), moment, angle, path: path.to_owned(), of_disk: false })
     }
 
     /// What a grade leaves: `U = G m / Omega`, over the disks by their masses, or at mid-length.
@@ -293,7 +294,7 @@ impl Input<'_> {
         let one = |x: f64, share: f64, k: usize| {
             let opposed = distribution == case::Distribution::Alternating && k % 2 == 1;
             let angle = if opposed { std::f64::consts::PI } else { 0.0 };
-            Unbalance { x, moment: total * share, angle, path: path.to_owned() }
+            Unbalance { x, moment: total * share, angle, path: path.to_owned(), of_disk: false }
         };
         let mut order: Vec<&Disk> = on.disks.iter().filter(|d| d.mass > 0.0).collect();
         order.sort_by(|a, b| on.nodes[a.node].x.total_cmp(&on.nodes[b.node].x));

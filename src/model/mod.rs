@@ -268,6 +268,8 @@ pub struct Model {
     pub clearances: Vec<Clearance>,
     /// Unbalance, when the case has one.
     pub unbalance: Option<UnbalanceSettings>,
+    /// Masses beside the axis that are part of the mass matrix, as in a run-up.
+    pub spinning_masses: Vec<Unbalance>,
     /// Harmonic excitation, when the case has one.
     pub harmonic: Option<HarmonicSettings>,
     /// Map of critical speeds, when the case has one.
@@ -311,6 +313,14 @@ impl Model {
         driven
     }
 
+    /// The same shaft with the masses of the unbalance in its mass matrix; those of offset disks are there.
+    pub fn with_unbalance(&self) -> Self {
+        let mut model = self.clone();
+        let masses = self.unbalance.iter().flat_map(|u| &u.masses);
+        model.spinning_masses = masses.filter(|m| !m.of_disk).cloned().collect();
+        model
+    }
+
     /// The same shaft without its seals, which carry no static load.
     pub fn without_seals(&self) -> Self {
         let bearings = self.bearings.iter().filter(|b| !b.seal).cloned().collect();
@@ -351,6 +361,7 @@ impl Model {
     pub fn is_axisymmetric(&self) -> bool {
         self.sections.iter().all(Section::is_axisymmetric)
             && self.disks.iter().all(|d| d.offset == [0.0, 0.0])
+            && self.spinning_masses.is_empty()
     }
 
     /// True when gravity acts.

@@ -47,6 +47,8 @@ pub struct Unbalance {
     pub angle: f64,
     /// JSON path, or what it comes from.
     pub path: String,
+    /// That of a disk with an offset, which the mass matrix of the disk holds.
+    pub of_disk: bool,
 }
 
 /// How amplitudes are told.

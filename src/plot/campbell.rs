@@ -16,7 +16,7 @@ use crate::error::Result;
 use crate::plot::campbell::curves::{
     BranchCurve, CurveMark, Order, RPM, Sampled, marks, orders, speed_range, top_frequency,
 };
-use crate::plot::response::{operation, operation_words};
+use crate::plot::response::{operation, operation_words, rpm};
 use crate::results::{Branch, Campbell, Figures, ModeKind, Report, Whirl};
 
 const WIDTH: f64 = 1120.0;
@@ -56,7 +56,7 @@ pub fn svg(report: &Report<Campbell>) -> Result<Figures> {
 /// Log decrement over speed, with the lines 0.1 and 0 and the speed at which a motion begins to grow.
 fn decrement(report: &Report<Campbell>) -> Result<String> {
     let results = &report.results;
-    let speeds: Vec<f64> = results.speeds_rad_s.iter().map(|s| s / RPM).collect();
+    let speeds: Vec<f64> = results.speeds_rad_s.iter().map(|s| rpm(*s)).collect();
     let mut bending: Vec<&Branch> = results.branches.iter().filter(|b| b.kind == ModeKind::Bending).collect();
     // what decays least is what matters
     let least = |b: &Branch| b.log_decrement.iter().flatten().copied().fold(f64::INFINITY, f64::min);
@@ -80,7 +80,7 @@ fn decrement(report: &Report<Campbell>) -> Result<String> {
         name: "a motion begins to grow".to_owned(),
         marker: Marker::Ring,
         color: palette::VERMILLION,
-        at: (speed / RPM, 0.0),
+        at: (rpm(speed), 0.0),
     });
     let panel = Panel {
         across: ("Spin speed", "rpm"),

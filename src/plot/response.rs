@@ -24,11 +24,14 @@ pub fn curve(k: usize, name: &str, points: Vec<Point>) -> Curve {
     Curve { name: name.to_owned(), stroke: STROKES[k % STROKES.len()], points }
 }
 
-/// Phases in degrees between -360 and 0, so that a lag falls; broken where they pass an end.
+/// Degrees by which a phase may be ahead before it counts as a lag of almost a turn.
+const AHEAD: f64 = 30.0;
+
+/// Phases in degrees between -330 and 30, so that a lag falls; broken where they pass an end.
 pub fn phases(k: usize, name: &str, points: impl Iterator<Item = Point>) -> Vec<Curve> {
     let mut parts: Vec<Vec<Point>> = vec![Vec::new()];
     for (x, phase) in points {
-        let degrees = -((-phase).rem_euclid(TAU)) * 360.0 / TAU;
+        let degrees = AHEAD - (AHEAD - phase * 360.0 / TAU).rem_euclid(360.0);
         let last = parts.last().and_then(|part| part.last()).copied();
         if last.is_some_and(|(_, before): Point| (degrees - before).abs() > 180.0) {
             parts.push(Vec::new());

@@ -86,7 +86,7 @@ pub enum Modelled {
     StableSmallMotions,
     /// Inertia of a turning shaft.
     TurningInertia,
-    /// Unbalance of disk offsets.
+    /// Unbalance of disk offsets and of masses beside the axis.
     Unbalance,
     /// Kelvin-Voigt damping of the material.
     MaterialDamping,

@@ -22,6 +22,11 @@ for case in cases/*.json; do
     if grep -q '"campbell": {' "$case"; then
         run campbell "$case"
     fi
+    for block in unbalance harmonic map; do
+        if grep -q "^  \"$block\": {" "$case"; then
+            run "$block" "$case"
+        fi
+    done
     if grep -q '"loads"' "$case"; then
         run static "$case"
     fi

@@ -96,11 +96,23 @@ fn reports_are_as_kept() {
         let stem = path.file_stem().expect("name").to_string_lossy().into_owned();
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/baselines").join(&stem);
         let loaded = Case::load(&path, &[]).expect("case");
-        let kept = [Analysis::Check, Analysis::Modes, Analysis::Campbell, Analysis::Static, Analysis::Spinup];
+        let kept = [
+            Analysis::Check,
+            Analysis::Modes,
+            Analysis::Campbell,
+            Analysis::Unbalance,
+            Analysis::Harmonic,
+            Analysis::Map,
+            Analysis::Static,
+            Analysis::Spinup,
+        ];
         for analysis in kept {
             let file = folder.join(format!("{}.json", analysis.name()));
             let wanted = match analysis {
                 Analysis::Campbell => loaded.case.campbell.is_some(),
+                Analysis::Unbalance => loaded.case.unbalance.is_some(),
+                Analysis::Harmonic => loaded.case.harmonic.is_some(),
+                Analysis::Map => loaded.case.map.is_some(),
                 Analysis::Static => !loaded.case.loads.is_empty(),
                 // a run through a resonance repeats to the integrator's tolerance only, but for a steady rub
                 Analysis::Spinup => {
@@ -117,6 +129,8 @@ fn reports_are_as_kept() {
                 let rtol = match analysis {
                     Analysis::Spinup => 1e-3,
                     Analysis::Static => 1e-6,
+                    // a flat maximum says where it is to half of the digits
+                    Analysis::Unbalance | Analysis::Harmonic | Analysis::Map => 1e-6,
                     _ => 1e-7,
                 };
                 compare(&format!("{stem}.{}", analysis.name()), &finished.json, &kept, rtol, 1e-9);

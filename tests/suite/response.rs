@@ -332,3 +332,27 @@ fn bad_input_is_refused_with_its_path() {
         assert!(error.contains(path) && error.contains(words), "{set}\n{error}");
     }
 }
+
+/// In a run-up a mass beside the axis acts as a disk's offset does: the same moment gives the same steady orbit.
+#[test]
+fn masses_beside_the_axis_act_in_run_ups() {
+    let steady = |set: Value| -> [f64; 2] {
+        let mut value = case("friswell-unbalance").value;
+        value["shaft"]["segments"][0]["elements"] = json!(8);
+        value["probes"] = json!([{ "name": "disk", "at": 0.5 }]);
+        value["spinup"] = json!({ "drive": [{ "until": 1, "speed": 60.0 }], "until": 1, "steady": true });
+        let case = with(&LoadedCase::from_value("steady.json", value).unwrap(), set);
+        let model = model(&case);
+        let steady =
+            spinup(&model, model.spinup.as_ref().unwrap(), &|_, _| true).unwrap_or_else(|e| panic!("{e}"));
+        let [_, y, z] = steady.results.last.probes[0].point.as_ref().unwrap().displacement_m;
+        [y, z]
+    };
+    let disk_mass = 32.5897277;
+    let angle: f64 = 0.7;
+    let offset = [1e-6 * angle.cos(), 1e-6 * angle.sin()];
+    let [y, z] = steady(json!({ "unbalance.masses": [], "disks.0.offset": offset }));
+    let mass = json!([{ "at": 0.5, "moment": 1e-6 * disk_mass, "angle": angle }]);
+    let [v, w] = steady(json!({ "unbalance.masses": mass }));
+    assert!((y - v).hypot(z - w) < 1e-4 * y.hypot(z), "{v} {w} for {y} {z}");
+}

@@ -302,3 +302,163 @@ fn oil_film_bearings_against_a_timoshenko_beam() {
         }
     }
 }
+
+/// Rigid disks on stubs of 0.1 m each, joined by couplings.
+fn coupled(disks: &[(f64, f64, f64)], couplings: &[Value], element: &str, elements: usize) -> LoadedCase {
+    let segment = |_: &(f64, f64, f64)| json!({ "length": 0.1, "elements": elements, "section": "stub", "material": "light" });
+    let disk = |(i, (m, polar, diametral)): (usize, &(f64, f64, f64))| json!({ "at": 0.05 + 0.1 * i as f64, "mass": m, "polar_inertia": polar, "diametral_inertia": diametral });
+    let coupling = |(i, c): (usize, &Value)| {
+        let mut c = c.clone();
+        c["at"] = json!(0.1 * (i + 1) as f64);
+        c
+    };
+    let value = json!({
+        "title": "coupled",
+        "materials": { "light": { "E": 2e15, "nu": 0.3, "rho": 1e-3 } },
+        "sections": { "stub": { "shape": "circle", "radius": 0.05 } },
+        "shaft": { "element": element, "segments": disks.iter().map(segment).collect::<Vec<_>>() },
+        "disks": disks.iter().enumerate().map(disk).collect::<Vec<_>>(),
+        "couplings": couplings.iter().enumerate().map(coupling).collect::<Vec<_>>(),
+        "modes": { "count": 18 },
+    });
+    LoadedCase::from_value("coupled.json", value).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn coupling(lateral: f64, axial: f64, tilt: f64, torsional: f64) -> Value {
+    json!({ "stiffness": lateral, "axial_stiffness": axial, "tilt_stiffness": tilt, "torsional_stiffness": torsional })
+}
+
+/// Two and three inertias with torsional springs between (values of 3x3 eigenproblems), and two masses along the axis.
+#[test]
+fn couplings_are_springs_between_inertias() {
+    for (element, elements) in [("34X3", 1), ("34X3", 10), ("34X3", 80), ("34X4", 4)] {
+        let two = coupled(
+            &[(10.0, 0.5, 0.3), (25.0, 1.2, 0.7)],
+            &[coupling(3e6, 5e6, 7e5, 2e4)],
+            element,
+            elements,
+        );
+        let found = frequencies(&two);
+        for right in [238.047614, (5e6_f64 * (1.0 / 10.0 + 1.0 / 25.0)).sqrt()] {
+            assert_eq!(
+                found.iter().filter(|f| (*f / right - 1.0).abs() < 1e-6).count(),
+                1,
+                "{right} in {found:?}"
+            );
+        }
+        // u1, tilt1, u2, tilt2 in one plane
+        let mass = [10.0, 0.3, 25.0, 0.7];
+        let lateral = [1.0, 0.05, -1.0, 0.05];
+        let tilt = [0.0, 1.0, 0.0, -1.0];
+        let matrix = nalgebra::DMatrix::from_fn(4, 4, |i, j| {
+            let k = 3e6 * lateral[i] * lateral[j] + 7e5 * tilt[i] * tilt[j];
+            k / f64::sqrt(mass[i] * mass[j])
+        });
+        let mut squares: Vec<f64> = matrix.symmetric_eigenvalues().iter().copied().collect();
+        squares.sort_by(f64::total_cmp);
+        for square in &squares[2..] {
+            let right = square.sqrt();
+            assert_eq!(
+                found.iter().filter(|f| (*f / right - 1.0).abs() < 1e-5).count(),
+                2,
+                "{right} in {found:?}"
+            );
+        }
+    }
+    let three = coupled(
+        &[(10.0, 0.4, 0.3), (25.0, 0.9, 0.7), (10.0, 0.25, 0.2)],
+        &[coupling(3e8, 5e8, 7e7, 5e4), coupling(3e8, 5e8, 7e7, 3e4)],
+        "34X3",
+        2,
+    );
+    let found = frequencies(&three);
+    for right in [349.012955, 460.520191] {
+        assert_eq!(
+            found.iter().filter(|f| (*f / right - 1.0).abs() < 1e-6).count(),
+            1,
+            "{right} in {found:?}"
+        );
+    }
+}
+
+/// A coupling far stiffer than the shaft is none.
+#[test]
+fn a_stiff_coupling_joins_a_shaft() {
+    let shaft = |more: Value| {
+        let mut value = json!({
+            "title": "shaft",
+            "materials": { "steel": { "E": 2.1e11, "nu": 0.3, "rho": 7850 } },
+            "sections": { "shaft": { "shape": "circle", "radius": 0.02 } },
+            "shaft": { "segments": [{ "length": 1, "elements": 10, "section": "shaft", "material": "steel" }] },
+            "supports": [{ "at": 0, "kind": "pinned" }, { "at": 1, "kind": "roller" }],
+            "gravity": [0, -9.81, 0],
+            "modes": { "count": 8 },
+        });
+        value.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        LoadedCase::from_value("shaft.json", value).unwrap()
+    };
+    let mut stiff = coupling(1e13, 1e13, 1e11, 1e11);
+    stiff["at"] = json!(0.4);
+    let (joined, whole) = (shaft(json!({ "couplings": [stiff] })), shaft(json!({})));
+    // the sections at the joint may deform apart from each other
+    for (a, b) in frequencies(&joined).iter().zip(frequencies(&whole)).filter(|(a, _)| **a > 1.0) {
+        close(*a, b, 2e-3, "stiff coupling");
+    }
+    let sag = |case: &LoadedCase| {
+        let results =
+            rotor::analysis::statics::statics(&model(case)).unwrap_or_else(|e| panic!("{e}")).results;
+        results.axis.iter().map(|u| u[1]).fold(0.0, f64::min)
+    };
+    close(sag(&joined), sag(&whole), 2e-3, "sag");
+}
+
+#[test]
+fn couplings_at_wrong_places_are_refused() {
+    let two = coupled(&[(10.0, 0.5, 0.3), (25.0, 1.2, 0.7)], &[coupling(3e6, 5e6, 7e5, 2e4)], "34X3", 1);
+    for (set, words) in [
+        (json!({ "couplings.0.at": 0.0 }), "can't stand at an end"),
+        (json!({ "couplings.0.at": 0.05 }), "of which half is not said"),
+        (json!({ "couplings.0.at": 0.3 }), "off the shaft"),
+        (json!({ "couplings.0.torsional_stiffness": 0 }), "lets go"),
+        (json!({ "couplings.0.stiffness": [[1e6, 2e6], [2e6, 1e6]] }), "lets go"),
+    ] {
+        let error = rotor::model::Model::new(&with(&two, set.clone())).expect_err("refused").to_string();
+        assert!(error.contains(words), "{set}\n{error}");
+    }
+}
+
+/// With the coefficients straight between the rows, as the reference takes them: threshold of stability and damped critical speeds.
+#[test]
+fn the_threshold_of_oil_film_bearings() {
+    let text = include_str!("../reference/rotor/a1_bearing_table_two_disk.json");
+    let reference: Value = serde_json::from_str(text).unwrap();
+    let mut value = case("two-disk-table").value;
+    let rows = value["supports"][0]["table"].as_array().unwrap().clone();
+    let number = |v: &Value| v.as_f64().unwrap();
+    let mut straight = Vec::new();
+    for pair in rows.windows(2) {
+        for k in 0..8 {
+            let share = f64::from(k) / 8.0;
+            let between = |a: &Value, b: &Value| number(a) * (1.0 - share) + number(b) * share;
+            let matrix =
+                |key: &str| [0, 1].map(|i| [0, 1].map(|j| between(&pair[0][key][i][j], &pair[1][key][i][j])));
+            straight.push(json!({ "speed": between(&pair[0]["speed"], &pair[1]["speed"]),
+                                  "stiffness": matrix("stiffness"), "damping": matrix("damping") }));
+        }
+    }
+    straight.push(rows[rows.len() - 1].clone());
+    for support in value["supports"].as_array_mut().unwrap() {
+        support["table"] = json!(straight);
+    }
+    let results = campbell(&LoadedCase::from_value("straight.json", value).unwrap());
+    close(
+        results.stability_threshold_rad_s.unwrap(),
+        number(&reference["stability_threshold_rad_s"]),
+        5e-3,
+        "threshold",
+    );
+    for right in reference["damped_1x_crossings_rad_s"].as_array().unwrap() {
+        let near = |c: &rotor::results::CriticalSpeed| (c.speed_rad_s / number(right) - 1.0).abs() < 5e-3;
+        assert!(results.critical_speeds.iter().any(near), "{right}");
+    }
+}

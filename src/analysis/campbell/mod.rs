@@ -110,7 +110,8 @@ pub fn campbell(
 
     let mass = crate::analysis::mass_properties::properties(model).mass();
     let mut model_summary = summary(model, assembly.size(), mass);
-    describe_model(model, settings, &operators, &mut model_summary);
+    let spins = settings.speeds.iter().any(|s| *s > 0.0);
+    describe_model(model, (settings.gyroscopic, settings.form, spins), &operators, &mut model_summary);
     let reported: Vec<Branch> =
         branches.into_iter().take(settings.modes).map(|t| solver.at_asked_speeds(t.branch)).collect();
     if reported.len() < settings.modes {

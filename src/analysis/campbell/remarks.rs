@@ -120,13 +120,12 @@ pub(super) fn speed_remarks(
 /// What was modelled and left out.
 pub fn describe_model(
     model: &Model,
-    settings: &CampbellSettings,
+    (gyroscopic, form, spins): (Gyroscopic, Form, bool),
     operators: &Operators,
     summary: &mut ModelSummary,
 ) {
-    let spins = settings.speeds.iter().any(|s| *s > 0.0);
     let offset = model.disks.iter().any(|d| d.offset != [0.0, 0.0]);
-    match (settings.gyroscopic, spins, operators.gyroscopic.is_some()) {
+    match (gyroscopic, spins, operators.gyroscopic.is_some()) {
         (_, true, _) if operators.is_rotating() => {
             summary.modelled.push(Modelled::CoriolisTerms);
         }
@@ -134,7 +133,7 @@ pub fn describe_model(
         (Gyroscopic::Disks, true, true) => summary.modelled.push(Modelled::GyroscopicTermsOfDisks),
         _ => summary.left_out.push(LeftOut::GyroscopicTerms),
     }
-    match settings.form {
+    match form {
         Form::Classical => {
             summary.left_out.push(LeftOut::SpinStiffening);
         }

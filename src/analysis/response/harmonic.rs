@@ -4,12 +4,13 @@
 //! shaft along y and z, sees the inertia forces `w^2 M R d`; what is told is absolute. Source: docs/theory/response.md#harmonic.
 
 use crate::accuracy::locking_and_rounding::{refuse_dependent, refuse_tiny_bore};
+use crate::analysis::campbell::remarks::describe_model;
 use crate::analysis::response::frame;
 use crate::analysis::response::readings::Readings;
 use crate::analysis::response::vibration::{Place, Vibration};
 use crate::analysis::{Counter, Outcome, model_remarks, summary, table_remarks};
 use crate::error::Result;
-use crate::model::{Excitation, Form, HarmonicSettings, Model};
+use crate::model::{Excitation, Form, Gyroscopic, HarmonicSettings, Model};
 use crate::results::{Diagnostic, HarmonicResponse, Modelled};
 use crate::shaft::assembly::Assembly;
 use crate::shaft::attachments::place_rows;
@@ -64,6 +65,7 @@ pub fn harmonic(
     }
     let mut summary =
         summary(model, assembly.size(), crate::analysis::mass_properties::properties(model).mass());
+    describe_model(model, (Gyroscopic::All, settings.form, speed > 0.0), &vibration.operators, &mut summary);
     summary.modelled.push(Modelled::Excitations(settings.excitations.len()));
     let at: Vec<(f64, f64)> = settings.frequencies.iter().map(|w| (speed, *w)).collect();
     let mut forces = readings.forces(&all, &at);

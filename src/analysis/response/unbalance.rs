@@ -4,6 +4,7 @@
 //! `m e Omega^2 exp(i alpha) (1, -i)` in complex amplitudes. Source: docs/theory/response.md#unbalance.
 
 use crate::accuracy::locking_and_rounding::{refuse_dependent, refuse_tiny_bore};
+use crate::analysis::campbell::remarks::describe_model;
 use crate::analysis::campbell::synchronous::critical_speeds;
 use crate::analysis::margins;
 use crate::analysis::response::frame;
@@ -11,7 +12,7 @@ use crate::analysis::response::readings::Readings;
 use crate::analysis::response::vibration::{Place, Vibration};
 use crate::analysis::{Counter, Outcome, model_remarks, operating_range, summary, table_remarks};
 use crate::error::{Refusal, Result};
-use crate::model::{Form, Model, OperatingSpeed, Station, Unbalance, UnbalanceSettings};
+use crate::model::{Form, Gyroscopic, Model, OperatingSpeed, Station, Unbalance, UnbalanceSettings};
 use crate::results::{DeflectedShape, Margin, Modelled, Peak, UnbalanceMass, UnbalanceResponse};
 use crate::shaft::assembly::Assembly;
 use crate::shaft::attachments::place_rows;
@@ -132,6 +133,7 @@ pub fn unbalance(
 
     let mut summary =
         summary(model, assembly.size(), crate::analysis::mass_properties::properties(model).mass());
+    describe_model(model, (Gyroscopic::All, settings.form, true), &vibration.operators, &mut summary);
     summary.modelled.push(Modelled::UnbalanceMasses(settings.masses.len()));
     let at: Vec<(f64, f64)> = settings.speeds.iter().map(|s| (*s, *s)).collect();
     let mut forces = readings.forces(&all, &at);

@@ -133,7 +133,7 @@ pub fn fits(model: &Model, settings: &SpinupSettings) -> std::result::Result<(),
 pub fn spinup(model: &Model, settings: &SpinupSettings, watch: Watch<'_>) -> Result<Outcome<Spinup>> {
     refuse_initial_stress(model)?;
     fits(model, settings)?;
-    let model = &model.with_drive(settings);
+    let model = &model.with_drive(settings).with_unbalance();
     let drive = Drive::of(settings);
     let fastest = settings.largest_speed();
     let mut diagnostics = Vec::new();

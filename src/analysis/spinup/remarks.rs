@@ -59,7 +59,7 @@ pub(super) fn growth_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
 pub(super) fn summary(model: &Model, assembly: &Assembly<'_>, dynamics: &Dynamics<'_>) -> ModelSummary {
     let mut summary = nonlinear_summary(model, assembly.size());
     summary.modelled.push(Modelled::TurningInertia);
-    let offset = model.disks.iter().any(|d| d.offset != [0.0; 2]);
+    let offset = model.disks.iter().any(|d| d.offset != [0.0; 2]) || !model.spinning_masses.is_empty();
     let external = model.materials.iter().any(|m| m.mass_damping != 0.0);
     for (present, modelled, left_out) in [
         (model.has_gravity(), Modelled::Gravity, LeftOut::Gravity),

@@ -243,6 +243,7 @@ impl<'a> Assembly<'a> {
     pub fn mass_parts(&self) -> Parts {
         let mut nodal = attachments::disk_mass(self.model, &self.numbering);
         nodal.extend(attachments::bearing_mass(self.model, &self.numbering));
+        nodal.extend(attachments::unbalance_mass(self.model, &self.numbering));
         self.parts(Some(&|_, m| m.mass.clone()), nodal)
     }
 

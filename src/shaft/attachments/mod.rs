@@ -10,6 +10,7 @@ use crate::element::boundary_curve::{LinePoint, line};
 use crate::element::fields::SectionFunctions;
 use crate::model::{
     ActsOn, Bearing, Between, Disk, Element, Field, Hub, Model, Node, Resists, SectionHold, SupportKind,
+    Unbalance,
 };
 use crate::section::Section;
 use faer::Mat;
@@ -426,6 +427,35 @@ pub fn disk_mass(model: &Model, numbering: &Numbering) -> Vec<Contribution> {
     result
 }
 
+/// What masses beside the axis add to the mass: `r' . (U_y r_,y' + U_z r_,z')` of the mean affine motion of the section, with the
+/// moments `U = m e (cos a, sin a)`. Their own inertia is part of the rotor's.
+pub fn unbalance_mass(model: &Model, numbering: &Numbering) -> Vec<Contribution> {
+    let r = model.reference_length;
+    let one = |mass: &Unbalance| {
+        let [y, z] = [mass.angle.cos(), mass.angle.sin()].map(|share| mass.moment * share / r);
+        let block = Mat::from_fn(3, 3, |k, l| match (k, l) {
+            (0, 1) | (1, 0) => y,
+            (0, 2) | (2, 0) => z,
+            _ => 0.0,
+        });
+        affine_rows_at(model, numbering, mass.x).map(|rows| on_rows(&block, &rows))
+    };
+    model.spinning_masses.iter().filter_map(one).collect()
+}
+
+/// r, R r_,y and R r_,z of the mean affine motion of the section at any position (m), as rows over the coordinates (first component).
+fn affine_rows_at(model: &Model, numbering: &Numbering, x: f64) -> Option<[Vec<(usize, f64)>; 3]> {
+    let (element, region) = region_at(model, x)?;
+    let starts = shapes_at(numbering, element, x);
+    Some(region.affine(model.reference_length).map(|weights| {
+        let of = |(start, factor): &(usize, f64)| {
+            let used = weights.iter().enumerate().filter(|(_, w)| **w != 0.0);
+            used.map(|(k, w)| (start + 3 * k, factor * w)).collect::<Vec<_>>()
+        };
+        starts.iter().flat_map(of).collect()
+    }))
+}
+
 /// Gyroscopic terms of the disks per unit spin speed: `G[y,z] += Jp I3, G[z,y] -= Jp I3`.
 pub fn disk_gyroscopic(model: &Model, numbering: &Numbering) -> Vec<Contribution> {
     disk_pairs(model, numbering, |polar| [[0.0, polar], [-polar, 0.0]])
@@ -494,17 +524,25 @@ pub fn bearing_contributions(
 /// Mean displacement along x, y, z and mean turn about x, y, z of the section at any position (m), interpolated as its element
 /// does: six rows over the coordinates.
 pub fn place_rows(model: &Model, numbering: &Numbering, x: f64) -> [Vec<(usize, f64)>; 6] {
+    let Some((element, region)) = region_at(model, x) else { return Default::default() };
+    section_motion(&region, model.reference_length, &shapes_at(numbering, element, x))
+}
+
+/// The element at a position and its whole section.
+fn region_at(model: &Model, x: f64) -> Option<(&Element, Region)> {
     let inside = |e: &&Element| x <= e.x + e.length * (1.0 + 1e-9);
-    let Some(element) = model.elements.iter().find(inside).or(model.elements.last()) else {
-        return Default::default();
-    };
-    let Some(region) = Region::of_field(model, element.field(), ActsOn::Section) else {
-        return Default::default();
-    };
+    let element = model.elements.iter().find(inside).or(model.elements.last())?;
+    Some((element, Region::of_field(model, element.field(), ActsOn::Section)?))
+}
+
+/// First coordinates of the vectors of an element with the values of their shape functions at a position; those that vanish are
+/// left out.
+fn shapes_at(numbering: &Numbering, element: &Element, x: f64) -> Vec<(usize, f64)> {
     let xi = (2.0 * (x - element.x) / element.length - 1.0).clamp(-1.0, 1.0);
     let shapes = lagrange(element.kind.axial_degree);
     let nodes = shapes.iter().enumerate().map(|(i, n)| (numbering.of_element(element, i), evaluate(n, xi)));
-    section_motion(&region, model.reference_length, &nodes.filter(|(_, n)| *n != 0.0).collect::<Vec<_>>())
+    // at an element end the others vanish but for rounding
+    nodes.filter(|(_, n)| n.abs() > 1e-12).collect()
 }
 
 /// Mean displacement along x, y, z and mean turn about x, y, z of a region whose vectors start at the given coordinates, with factors.
