@@ -14,7 +14,7 @@ pub mod steps;
 
 use crate::case::{self, Case, LoadedCase, nearest};
 use crate::check::element_choice::{Choice, Demands, choose, choose_taper, level};
-use crate::check::memory::{memory, mesh_memory};
+use crate::check::memory::{memory, mesh_memory, tapered_memory};
 use crate::check::mesh::{Mesh, SHORTEST_SEGMENT_PER_LENGTH, SegmentPlan};
 use crate::check::steps::FINEST;
 use crate::error::Result;
@@ -281,9 +281,11 @@ impl Input<'_> {
         let mut choices = Vec::new();
         for (i, choice) in chosen.iter().enumerate() {
             let Some((Choice { reason, estimate, .. }, ..)) = choice else { continue };
-            let (name, section) = (taken[i].kind.name(), &shaft.segments[i].section);
+            let (name, segment) = (taken[i].kind.name(), &shaft.segments[i]);
+            let end = segment.to_section.iter().map(|end| format!(" to \"{end}\"")).collect::<String>();
+            let section = format!("\"{}\"{end}", segment.section);
             let mut text = format!(
-                "{name} for section \"{section}\": {reason}; estimated error of its functions {estimate:.0e}"
+                "{name} for section {section}: {reason}; estimated error of its functions {estimate:.0e}"
             );
             let mut estimated_error = *estimate;
             if efforts[i] > 0 {
@@ -514,6 +516,9 @@ impl Input<'_> {
             let per_node = 3.0 * plan.kind.n_vectors() as f64;
             let unknowns = pieces * plan.kind.axial_degree as f64 * per_node;
             memory += mesh_memory(unknowns, per_node);
+            if plan.section != plan.to_section {
+                memory += pieces * tapered_memory(per_node);
+            }
             if memory > LARGEST_MEMORY_BYTES {
                 return self.fault(
                     &format!("shaft.segments.{i}.elements"),
