@@ -100,6 +100,13 @@ pub fn wall_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
         let error = |basis| ovalling_error(section, material, basis);
         let text = match error(e.kind.basis) {
             Some(now) if now < POOR => continue,
+            Some(now) if e.is_tapered() => format!(
+                "{} puts the ovalling of the hollow taper, {a}/{b} at one place, about {:.0} % too high and bends it too stiffly: a \
+                 polynomial section cannot bend a wall, and no ring follows a taper; 34X5 is the best there is, or short straight \
+                 tubes",
+                e.kind.name(),
+                100.0 * now
+            ),
             Some(now) => {
                 let ring = error(SectionBasis::Ring { degree: 2, harmonics: 3 }).unwrap_or(0.0);
                 format!(

@@ -1,7 +1,7 @@
 //! Where growth and stresses of a section are read: along the whole shaft, and at one section clear of what holds or
 //! stiffens the shaft nearby.
 //!
-//! A hub, a support, a joint of unlike sections or a free end changes the growth of a section within about two of its
+//! A hub, a support, a joint of unlike sections, a taper or a free end changes the growth of a section within about two of its
 //! radii (axisymmetric end effects of a solid decay as `exp(-2.7 x / R)`). On elements longer than that the section
 //! functions can't follow so short a decay: they swing over an element or two instead.
 
@@ -71,12 +71,14 @@ fn elements_between(model: &Model, a: f64, b: f64) -> f64 {
     model.elements.iter().map(share).sum()
 }
 
-/// Positions of ends, joints of unlike elements, disks and supports, m.
+/// Positions of ends, joints of unlike elements, tapers, disks and supports, m.
 fn disturbances(model: &Model) -> Vec<f64> {
     let mut places = vec![0.0, model.length];
     let unlike =
         |a: &Element, b: &Element| (a.faces[1], a.material, a.kind) != (b.faces[0], b.material, b.kind);
     places.extend(model.elements.windows(2).filter(|w| unlike(&w[0], &w[1])).map(|w| w[1].x));
+    let tapered = model.elements.iter().filter(|e| e.is_tapered());
+    places.extend(tapered.flat_map(|e| [e.x, e.x + e.length]));
     places.extend(model.disks.iter().map(|d| model.nodes[d.node].x));
     let held = model.supports.iter().filter(|s| s.kind != SupportKind::Turned);
     places.extend(held.map(|s| model.nodes[s.node].x));

@@ -32,6 +32,11 @@ pub fn mesh_memory(unknowns: f64, per_node: f64) -> f64 {
     2.5e7 + unknowns * 8.0 * (4.0 * half_band + 760.0)
 }
 
+/// Bytes of the matrices of a tapered element, which has no copies: six of them, over four nodes.
+pub fn tapered_memory(per_node: f64) -> f64 {
+    6.0 * 8.0 * (4.0 * per_node).powi(2)
+}
+
 /// What the largest of the analyses of a case takes, part by part.
 pub fn memory(model: &Model) -> Vec<Share> {
     let unknowns: f64 = model
@@ -39,10 +44,12 @@ pub fn memory(model: &Model) -> Vec<Share> {
         .iter()
         .map(|n| 3.0 * (n.n_vectors() + n.follower.map_or(0, |f| f.kinks.count())) as f64)
         .sum();
+    let tapered = model.elements.iter().filter(|e| e.is_tapered());
+    let tapered: f64 = tapered.map(|e| tapered_memory(3.0 * e.n_vectors() as f64)).sum();
     let mut list = vec![Share {
         path: "shaft.segments",
         what: "matrices",
-        bytes: mesh_memory(unknowns, unknowns / model.nodes.len() as f64),
+        bytes: mesh_memory(unknowns, unknowns / model.nodes.len() as f64) + tapered,
     }];
     if let Some(sweep) = &model.campbell {
         let basis = sweep.reduction.unwrap_or(DEFAULT_BASIS).max(sweep.modes + SPARE_BASIS) as f64;

@@ -57,3 +57,26 @@ pub fn add_kronecker(matrix: &mut Mat<f64>, axial: &Mat<f64>, section: &Mat<f64>
         }
     }
 }
+
+/// `D_theta - J` on element coordinates: what spin adds to the rate of strain, per unit speed.
+pub fn convection(size: usize, turn: &Mat<f64>) -> Mat<f64> {
+    let n_vectors = turn.nrows();
+    Mat::from_fn(size, size, |i, j| {
+        let (vi, vj) = (i / 3, j / 3);
+        if vi / n_vectors != vj / n_vectors {
+            return 0.0;
+        }
+        let (k, l, c, d) = (vi % n_vectors, vj % n_vectors, i % 3, j % 3);
+        let moved = if c == d { turn[(k, l)] } else { 0.0 };
+        let turned = if k != l {
+            0.0
+        } else {
+            match (c, d) {
+                (1, 2) => -1.0,
+                (2, 1) => 1.0,
+                _ => 0.0,
+            }
+        };
+        moved - turned
+    })
+}

@@ -71,7 +71,8 @@ fn a_coupling_bends_as_a_beam_of_its_parts() {
     let (thin, tube) = (inertia(0.0, 0.02), inertia(0.025, 0.03));
     let right = 10.0
         * (bend(0.0, 0.3, thin) + bend(0.3, 0.7, tube) + bend(0.7, 1.0, thin) + 0.6 / solid + 0.4 / wall);
-    assert!((end / right - 1.0).abs() < 5e-3, "{end} {right}");
+    // the faces hold the sections beside them, too
+    assert!(end < right && end > 0.992 * right, "{end} {right}");
 }
 
 #[test]
@@ -104,5 +105,7 @@ fn a_face_is_a_rigid_disk_of_no_weight_but_for_its_width() {
     for kind in [ModeKind::Bending, ModeKind::Torsion] {
         close(&of_kind(&case, kind), &of_kind(&hubs, kind), 1e-6, "hub");
     }
-    close(&of_kind(&case, ModeKind::Axial), &of_kind(&hubs, ModeKind::Axial), 1e-3, "axial");
+    // a hub does not widen where the shaft is pressed
+    let [face, hub] = [&case, &hubs].map(|case| of_kind(case, ModeKind::Axial));
+    assert!(face[0] < hub[0] && face[0] > 0.995 * hub[0], "{face:?} {hub:?}");
 }

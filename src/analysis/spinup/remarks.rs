@@ -39,7 +39,7 @@ pub(super) fn growth_remarks(model: &Model, diagnostics: &mut Vec<Diagnostic>) {
         let error = |basis| basis_error(section, material, basis, section.outer[0]);
         let Some(now) = error(e.kind.basis).filter(|e| e.abs() > POOR_GROWTH) else { continue };
         let ring = SectionBasis::Ring { degree: 3, harmonics: 3 };
-        let better = error(ring).filter(|_| section.is_ring());
+        let better = error(ring).filter(|_| section.is_ring() && !e.is_tapered());
         let better =
             better.map_or(String::new(), |b| format!("; 34R33 would miss it by {:+.1e} %", 100.0 * b));
         diagnostics.push(Diagnostic::warning(

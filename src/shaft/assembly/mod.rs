@@ -12,6 +12,7 @@ pub use rigid_motions::RigidMotion;
 
 use crate::element::ElementMatrices;
 use crate::element::basis::{SectionProducts, rotation_with_kinks};
+use crate::element::inertia::convection;
 use crate::linalg::chain::{Layout, Link};
 use crate::linalg::sparse::{Sparse, from_columns};
 use crate::model::{Bearing, Element, Field, Gyroscopic, Material, Model};
@@ -673,27 +674,4 @@ fn mean(law: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
 fn symmetric_part(k: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
     let off = (k[0][1] + k[1][0]) / 2.0;
     [[k[0][0], off], [off, k[1][1]]]
-}
-
-/// `D_theta - J` on element coordinates: what spin adds to the rate of strain, per unit speed.
-fn convection(size: usize, turn: &Mat<f64>) -> Mat<f64> {
-    let n_vectors = turn.nrows();
-    Mat::from_fn(size, size, |i, j| {
-        let (vi, vj) = (i / 3, j / 3);
-        if vi / n_vectors != vj / n_vectors {
-            return 0.0;
-        }
-        let (k, l, c, d) = (vi % n_vectors, vj % n_vectors, i % 3, j % 3);
-        let moved = if c == d { turn[(k, l)] } else { 0.0 };
-        let turned = if k != l {
-            0.0
-        } else {
-            match (c, d) {
-                (1, 2) => -1.0,
-                (2, 1) => 1.0,
-                _ => 0.0,
-            }
-        };
-        moved - turned
-    })
 }
