@@ -351,7 +351,7 @@ fn measured_error(model: &Model, settings: &MapSettings, all: &[Senses]) -> Resu
     Ok(if worst.is_finite() { worst } else { 1.0 })
 }
 
-/// Least log decrement of forward motions over a cross-coupled stiffness at one place.
+/// Log decrement of the first forward motion over a cross-coupled stiffness at one place.
 fn decay(model: &Model, q: &CrossCoupling) -> Result<CrossCouplingCurve> {
     let assembly = Assembly::new(model);
     let [_, y, z, ..] = crate::shaft::attachments::place_rows(model, &assembly.numbering, q.x);
@@ -371,9 +371,9 @@ fn decay(model: &Model, q: &CrossCoupling) -> Result<CrossCouplingCurve> {
             None => own,
         });
         let solution = reduced.solve(q.speed)?;
-        let moves = solution.motions[..solution.oscillating].iter();
-        let forward = moves.filter(|m| reduced.travel_of(m) > LEAST_CIRCULARITY && m.lambda.im > 0.0);
-        Ok(forward.map(|m| -TAU * m.lambda.re / m.lambda.im).reduce(f64::min))
+        let mut moves = solution.motions[..solution.oscillating].iter();
+        let forward = moves.find(|m| reduced.travel_of(m) > LEAST_CIRCULARITY && m.lambda.im > 0.0);
+        Ok(forward.map(|m| -TAU * m.lambda.re / m.lambda.im))
     };
     let log_decrement: Vec<Option<f64>> = q.stiffness.par_iter().map(|k| least(*k)).collect::<Result<_>>()?;
     let mut threshold_n_m = None;

@@ -82,7 +82,7 @@ impl<'a> ForceReader<'a> {
                 [y, z]
             };
             let (mut u, v) = (felt(&acting.position), felt(&acting.velocity));
-            (0..2).for_each(|c| u[1 + c] -= acting.load * bearing.offset[c]);
+            (0..2).for_each(|c| u[c] -= acting.load * bearing.offset[c]);
             let (k, c) = (&bearing.stiffness, &bearing.damping);
             let [first, second] =
                 [0, 1].map(|i| (0..2).map(|j| k[i][j] * u[j] + c[i][j] * v[j]).fold(0.0, |sum, f| sum - f));

@@ -31,12 +31,7 @@ const AXIS_POINTS: usize = 201;
 /// # Errors
 /// A load along a motion that no support resists, or an element without nonlinear form.
 pub fn statics(model: &Model) -> Result<Outcome<Static>> {
-    let mut diagnostics = Vec::new();
-    let seals: Vec<&str> = model.bearings.iter().filter(|b| b.seal).map(|b| b.path.as_str()).collect();
-    if !seals.is_empty() {
-        let text = format!("seals carry no static load and are left out: {}", seals.join(", "));
-        diagnostics.push(Diagnostic::info("seals-left-out", text));
-    }
+    let mut diagnostics: Vec<Diagnostic> = seal_remark(model).into_iter().collect();
     let model = &model.without_seals();
     refuse_initial_stress(model)?;
     refuse_dependent(model)?;
@@ -112,6 +107,14 @@ pub fn statics(model: &Model) -> Result<Outcome<Static>> {
         axis,
     };
     Ok(Outcome { results, model: summary, diagnostics })
+}
+
+/// Which seals are left out.
+fn seal_remark(model: &Model) -> Option<Diagnostic> {
+    let mut seals: Vec<&str> = model.bearings.iter().filter(|b| b.seal).map(|b| b.path.as_str()).collect();
+    seals.dedup();
+    let text = format!("seals carry no static load and are left out: {}", seals.join(", "));
+    (!seals.is_empty()).then(|| Diagnostic::info("seals-left-out", text))
 }
 
 /// How Newton's method went, for the report.

@@ -3,7 +3,7 @@
 use crate::case::{Form, SpeedRange};
 use crate::units::{Acceleration, Angle, Force, Length, Mass, Moment, MomentOfMass, Speed, Stiffness};
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, de};
 
 /// Speeds at which the machine runs.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
@@ -166,14 +166,36 @@ pub struct UnbalanceInput {
 }
 
 /// Frequencies: equally spaced, or a list.
-#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(rename = "Frequencies")]
 pub enum FrequenciesInput {
-    /// Equally spaced.
-    Range(SpeedRange),
     /// One by one, ascending.
     List(Vec<Speed>),
+    /// Equally spaced.
+    Range(SpeedRange),
+}
+
+impl<'de> Deserialize<'de> for FrequenciesInput {
+    fn deserialize<D: serde::Deserializer<'de>>(d: D) -> std::result::Result<Self, D::Error> {
+        d.deserialize_any(FrequenciesVisitor)
+    }
+}
+
+struct FrequenciesVisitor;
+
+impl<'de> de::Visitor<'de> for FrequenciesVisitor {
+    type Value = FrequenciesInput;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(r#"a list of values, or { "from": .., "to": .., "count": .. }"#)
+    }
+    fn visit_seq<A: de::SeqAccess<'de>>(self, list: A) -> std::result::Result<FrequenciesInput, A::Error> {
+        Vec::deserialize(de::value::SeqAccessDeserializer::new(list)).map(FrequenciesInput::List)
+    }
+    fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> std::result::Result<FrequenciesInput, A::Error> {
+        SpeedRange::deserialize(de::value::MapAccessDeserializer::new(map)).map(FrequenciesInput::Range)
+    }
 }
 
 /// What excites at a frequency of its own.

@@ -23,7 +23,7 @@ pub fn svg(report: &Report<CriticalMap>) -> Result<Figures> {
         let zero = Stroke { color: palette::GREY, width: 1.2, line: LineStyle::Dashed };
         let panel = Panel {
             across: ("Cross-coupled stiffness Q", "N/m"),
-            up: ("Least log decrement, forward", "-"),
+            up: ("Log decrement, first forward", "-"),
             curves: vec![
                 Curve { name: "log decrement".to_owned(), stroke: STROKES[0], points },
                 Curve { name: "0.1 and 0".to_owned(), stroke: zero, points: vec![(0.0, 0.1), (end, 0.1)] },

@@ -72,7 +72,7 @@ pub struct Intersection {
     pub stiffness_n_m: f64,
 }
 
-/// Least log decrement over a cross-coupled stiffness.
+/// Log decrement of the first forward motion over a cross-coupled stiffness.
 #[derive(Debug, Clone, Serialize)]
 pub struct CrossCouplingCurve {
     /// Where it acts, m.
@@ -82,7 +82,7 @@ pub struct CrossCouplingCurve {
     /// Values Q of `[[0, Q], [-Q, 0]]`.
     #[serde(rename = "stiffness_N_m")]
     pub stiffness_n_m: Vec<f64>,
-    /// Least log decrement of a forward motion; null where none oscillates.
+    /// Log decrement of the first forward motion; null where none oscillates.
     pub log_decrement: Vec<Option<f64>>,
     /// The Q at which a motion begins to grow; null beyond the values.
     #[serde(rename = "threshold_N_m")]

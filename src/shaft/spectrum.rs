@@ -10,7 +10,7 @@ use crate::linalg::gmres::gmres;
 use crate::linalg::lanczos::{self, Pencil};
 use crate::linalg::lu::SparseLu;
 use crate::linalg::sparse::{Sparse, absolute_product_norm, combine, multiply};
-use crate::model::Bearing;
+use crate::model::{Bearing, Model};
 use crate::shaft::assembly::{Assembly, RigidMotion};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef};
@@ -93,9 +93,8 @@ impl Flexibility {
         // the motions that only springs hold are no longer free of stiffness
         let stressed = assembly.model.initial_stress.is_some();
         let mut soft: Vec<usize> = (0..springs.len())
-            .filter(|&i| springs[i].stiffness > 0.0)
             .filter(|_| !stressed)
-            .filter(|&i| springs[i].stiffness < SOFT * local_stiffness(stiffness, &forces[i]))
+            .filter(|&i| springs[i].stiffness.abs() < SOFT * local_stiffness(stiffness, &forces[i]))
             .collect();
         loop {
             let others = || (0..springs.len()).filter(|i| !soft.contains(i)).map(|i| &springs[i]);
@@ -121,7 +120,9 @@ impl Flexibility {
             let give = rows.transpose() * &answers;
             let hard: Vec<usize> = (0..soft.len()).filter(|&i| law[i] * give[(i, i)] > HARD).collect();
             if hard.is_empty() {
-                let soft = Soft::new(stiffness_of_others, mass, held, (rows, law), (answers, give))?;
+                let negative = most_negative(assembly.model);
+                let soft = Soft::new(stiffness_of_others, mass, held, (rows, law), (answers, give));
+                let soft = soft.map_err(|error| negative.map_or(error, |bearing| unheld(bearing).into()))?;
                 let mass_rigid = multiply(mass, rigid.as_ref());
                 return Ok(Self { factor: bare.factor, rigid, mass_rigid, soft: Some(soft) });
             }
@@ -533,24 +534,29 @@ fn align(mass: &Sparse, mirror: &[[bool; 2]], values: &[f64], vectors: &mut Mat<
 
 /// Refuses springs of negative stiffness that the rest of the rotor does not hold.
 fn refuse_unstable(assembly: &Assembly<'_>, flexibility: &Flexibility) -> Result<()> {
-    let springs = assembly.model.bearings.iter();
-    let least = |b: &&Bearing| {
-        let [[yy, yz], [zy, zz]] = b.stiffness;
-        let off = (yz + zy) / 2.0;
-        (yy + zz) / 2.0 - ((yy - zz) / 2.0).hypot(off)
-    };
-    let negative = springs
-        .filter(|b| b.is_across() || b.stiffness[0][0] < 0.0)
-        .min_by(|a, b| least(a).total_cmp(&least(b)));
-    match negative.filter(|b| least(b) < 0.0 && flexibility.unstable_directions() > 0) {
-        Some(bearing) => Err(Refusal::at(
-            format!("{}.stiffness", bearing.path),
-            "the negative stiffness outweighs what holds the shaft: the rotor is statically unstable",
-            "a rotor whose stiffness as a whole is positive: stiffer bearings, or less negative stiffness",
-        )
-        .into()),
+    match most_negative(assembly.model).filter(|_| flexibility.unstable_directions() > 0) {
+        Some(bearing) => Err(unheld(bearing).into()),
         None => Ok(()),
     }
+}
+
+/// The bearing whose stiffness is the most negative in a direction.
+fn most_negative(model: &Model) -> Option<&Bearing> {
+    let least = |b: &Bearing| {
+        let [[yy, yz], [zy, zz]] = b.stiffness;
+        let off = (yz + zy) / 2.0;
+        if b.is_across() { (yy + zz) / 2.0 - ((yy - zz) / 2.0).hypot(off) } else { yy }
+    };
+    let negative = model.bearings.iter().filter(|b| least(b) < 0.0);
+    negative.min_by(|a, b| least(a).total_cmp(&least(b)))
+}
+
+fn unheld(bearing: &Bearing) -> Refusal {
+    Refusal::at(
+        format!("{}.stiffness", bearing.path),
+        "the negative stiffness outweighs what holds the shaft: the rotor is statically unstable",
+        "a rotor whose stiffness as a whole is positive: stiffer bearings, or less negative stiffness",
+    )
 }
 
 /// Scales every column to `x^T M x = 1`, the first of its largest entries positive.

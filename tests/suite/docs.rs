@@ -271,6 +271,7 @@ pages! {
     loads: "docs/how-to/loads.md",
     critical_speeds_and_stability: "docs/how-to/critical-speeds-and-stability.md",
     run_up_and_rub: "docs/how-to/run-up-and-rub.md",
+    unbalance_and_vibration: "docs/how-to/unbalance-and-vibration.md",
     growth_at_speed: "docs/how-to/growth-at-speed.md",
     contact_scenes: "docs/how-to/contact-scenes.md",
     speed_and_accuracy: "docs/how-to/speed-and-accuracy.md",

@@ -134,7 +134,6 @@ fn every_fault_names_path_value_and_remedy() {
         ),
         ("disks", json!([{ "at": 0.5, "diameter": 0.1, "rho": 1 }]), "disks.0.thickness", &["missing"]),
         ("supports.1.stiffness", json!("1e200 N/m"), "supports.1.stiffness", &["extreme"]),
-        ("supports.1.stiffness", json!(-5), "supports.1.stiffness", &["statically unstable"]),
         ("supports.1.damping", json!([1, 2]), "supports.1.damping.0", &["the number 1 does not fit"]),
         ("sections.solid.radius", json!("NaN m"), "sections.solid.radius", &["NaN m"]),
         ("sections.solid.radius", json!("1e999 m"), "sections.solid.radius", &["not a finite number"]),
@@ -220,7 +219,6 @@ fn every_fault_names_path_value_and_remedy() {
         ),
         ("supports", json!([{ "at": 0, "fix": ["r", "r.x"] }]), "supports.0.fix.1", &["twice"]),
         ("supports", json!([{ "at": 0, "fix": ["yyyy"] }]), "supports.0.fix.0", &["yyyy", "all, r, y, z"]),
-        ("supports.1.stiffness", json!([[-1, 0], [0, 1]]), "supports.1.stiffness", &["statically unstable"]),
         ("supports.1.stiffness", json!([[1, 0], [0]]), "supports.1.stiffness.1", &["[0]"]),
         // loads
         ("loads.0.force.1", json!(1e31), "loads.0.force.1", &["extreme", "1e30"]),

@@ -111,12 +111,13 @@ fn peaks_have_a_limit_under_refinement() {
         let first = results.stations[0].name.clone();
         results.peaks.iter().filter(|p| p.station == first).map(|p| (p.speed_rad_s, p.amplitude_m)).collect()
     };
+    // what a rigid hub holds reaches a radius into the shaft: meshes coarser than that see it only in part
     let finest = peaks(json!({ "shaft.segments.0.elements": 160 }));
     assert!(finest.len() >= 4);
     for (set, rtol) in [
-        (json!({ "shaft.segments.0.elements": 10 }), 5e-4),
-        (json!({ "shaft.segments.0.elements": 40 }), 1e-4),
-        (json!({ "shaft.segments.0.elements": 40, "loads": [{ "at": 0.500025, "force": [0, 1, 0] }] }), 1e-4),
+        (json!({ "shaft.segments.0.elements": 10 }), 3e-3),
+        (json!({ "shaft.segments.0.elements": 40 }), 5e-4),
+        (json!({ "shaft.segments.0.elements": 40, "loads": [{ "at": 0.500025, "force": [0, 1, 0] }] }), 5e-4),
         (json!({ "shaft.segments.0.elements": 40, "shaft.element": "34X4" }), 1e-3),
     ] {
         let found = peaks(set.clone());
@@ -136,7 +137,8 @@ fn linear_response_is_the_steady_orbit() {
     value["disks"][0]["offset"] = json!([1e-6, 0]);
     value["shaft"]["segments"][0]["elements"] = json!(8);
     value["probes"] = json!([{ "name": "disk", "at": 0.5 }]);
-    value["spinup"] = json!({ "drive": [{ "until": 1, "speed": 60.0 }], "until": 1, "steady": true });
+    value["spinup"] =
+        json!({ "drive": [{ "until": 1, "speed": 60.0 }], "until": 1, "steady": true, "driven_at": 0.0 });
     let case = LoadedCase::from_value("steady.json", value).unwrap();
     let linear = unbalanced(&case).stations[0].amplitude_m[0];
     let model = model(&case);
@@ -214,7 +216,8 @@ fn a_grade_is_spread_over_the_disks() {
 #[test]
 fn an_unstable_rotor_is_told() {
     let mut value = case("internal-damping").value;
-    value["unbalance"] = json!({ "speeds": { "from": 10, "to": 300, "count": 30 }, "masses": [{ "at": 0.5, "moment": 1e-4 }] });
+    value["unbalance"] = json!({ "speeds": { "from": 10, "to": 300, "count": 30 }, "form": "classical",
+                                 "masses": [{ "at": 0.5, "moment": 1e-4 }] });
     let (results, diagnostics) = told(&LoadedCase::from_value("unstable.json", value).unwrap());
     close(results.stability_threshold_rad_s.expect("threshold"), 111.803399, 1e-3, "threshold");
     assert!(diagnostics.iter().any(|d| d.code == "unstable-response"));
@@ -250,7 +253,7 @@ fn a_cross_coupling_has_a_threshold() {
     let mut value = case("jeffcott-unbalance").value;
     value["map"] = json!({
         "stiffness": { "from": 1e5, "to": 1e6, "count": 5 },
-        "cross_coupling": { "at": 0.1, "speed": 100, "to": 1e5, "count": 11 },
+        "cross_coupling": { "at": 0.05, "speed": 100, "to": 1e5, "count": 11 },
     });
     let results = map(&LoadedCase::from_value("cross.json", value).unwrap());
     let threshold = results.cross_coupling.unwrap().threshold_n_m.expect("threshold");
@@ -340,7 +343,8 @@ fn masses_beside_the_axis_act_in_run_ups() {
         let mut value = case("friswell-unbalance").value;
         value["shaft"]["segments"][0]["elements"] = json!(8);
         value["probes"] = json!([{ "name": "disk", "at": 0.5 }]);
-        value["spinup"] = json!({ "drive": [{ "until": 1, "speed": 60.0 }], "until": 1, "steady": true });
+        value["spinup"] =
+            json!({ "drive": [{ "until": 1, "speed": 60.0 }], "until": 1, "steady": true, "driven_at": 0.0 });
         let case = with(&LoadedCase::from_value("steady.json", value).unwrap(), set);
         let model = model(&case);
         let steady =

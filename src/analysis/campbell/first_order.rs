@@ -14,6 +14,9 @@ use crate::linalg::dense::{cholesky, over_lower};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, c64};
 
+/// One of the laws of a change.
+type LawOf = fn(&Change) -> &[[f64; 2]; 2];
+
 /// Steps of inverse iteration.
 const SHARPENING: usize = 5;
 
@@ -101,11 +104,7 @@ impl<'a> FirstOrderForm<'a> {
     }
 
     /// Sum of operators with factors, turned, and of a law of the changing bearings.
-    fn sum(
-        &self,
-        parts: &[(f64, &Option<Mat<f64>>)],
-        law: Option<fn(&Change) -> &[[f64; 2]; 2]>,
-    ) -> Option<Mat<f64>> {
+    fn sum(&self, parts: &[(f64, &Option<Mat<f64>>)], law: Option<LawOf>) -> Option<Mat<f64>> {
         let mut sum: Option<Mat<f64>> = None;
         for (factor, part) in parts {
             if let Some(part) = part {
@@ -184,13 +183,14 @@ impl<'a> FirstOrderForm<'a> {
     }
 
     /// The root near `guess` of `y^H (lambda^2 + lambda D + K) x = 0`, x and y being the velocities of the right and left
-    /// states (turned), and what rounding may have made of its real part. The root's error is the product of those of x and
+    /// states (turned) within `reach` of its size, and what rounding may have made of its real part. The root's error is the product of those of x and
     /// y, while that of the eigenvalue solver is a rounding of the largest eigenvalue.
     pub fn quotient(
         &self,
         forms: &[Option<Mat<f64>>; 2],
         states: (&[c64], &[c64]),
         guess: c64,
+        reach: f64,
     ) -> (c64, f64) {
         let (n, r) = (self.reduced.size(), self.reduced.n_rigid);
         let (x, y) = (&states.0[..n], &states.1[..n]);
@@ -217,7 +217,7 @@ impl<'a> FirstOrderForm<'a> {
         let far = |z: &c64| (z - guess).norm();
         let best = candidates.into_iter().filter(|z| z.is_finite()).min_by(|a, b| far(a).total_cmp(&far(b)));
         let largest = self.reduced.frequencies.iter().copied().fold(0.0, f64::max);
-        let Some(lambda) = best.filter(|z| far(z) <= 1e-3 * guess.norm() + 1e-10 * largest) else {
+        let Some(lambda) = best.filter(|z| far(z) <= reach * guess.norm() + 1e-10 * largest) else {
             return (guess, guess.norm());
         };
         size += lambda.norm() * on_velocity.1 + turning.1;
@@ -239,6 +239,7 @@ impl<'a> FirstOrderForm<'a> {
         forms: &[Option<Mat<f64>>; 2],
         (right, left): (&mut Vec<c64>, &mut Vec<c64>),
         guess: c64,
+        reach: f64,
     ) -> (c64, f64) {
         let (n, r) = (self.reduced.size(), self.reduced.n_rigid);
         let mut lambda = guess;
@@ -274,7 +275,7 @@ impl<'a> FirstOrderForm<'a> {
             right[..n].copy_from_slice(&x);
             left[..n].copy_from_slice(&y);
             let before = lambda;
-            (lambda, noise) = self.quotient(forms, (right, left), lambda);
+            (lambda, noise) = self.quotient(forms, (right, left), lambda, reach);
             if (lambda - before).norm() <= (1e-13 * lambda.norm()).max(noise) {
                 break;
             }

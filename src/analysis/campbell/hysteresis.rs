@@ -23,9 +23,11 @@ pub struct Hysteresis<M>(pub Vec<[M; 2]>);
 fn factors(waves: usize, speed: f64, lambda: c64) -> Vec<[f64; 2]> {
     let frequency = lambda.im.abs();
     let one = |k: usize| {
-        if frequency >= k as f64 * speed.abs() {
-            // what creeps does not alternate
-            [if frequency > 0.0 { 1.0 / frequency } else { 0.0 }, 0.0]
+        if frequency == 0.0 {
+            // what does not oscillate does not alternate
+            [0.0, 0.0]
+        } else if frequency >= k as f64 * speed.abs() {
+            [1.0 / frequency, 0.0]
         } else {
             [0.0, speed.signum()]
         }

@@ -73,7 +73,8 @@ pub fn campbell(
     refuse_supports(&assembly, &spectrum, settings)?;
     let highest = settings.speeds.last().copied().unwrap_or(0.0);
     let operators = operators(&assembly, &spectrum, settings, highest)?;
-    let reduced = Reduced::new(&operators, &spectrum, basis - corrected, corrected)?;
+    let reduced = Reduced::new(&operators, &spectrum, basis - corrected, corrected)?
+        .following(settings.modes + SPARE_BASIS);
     // with a law that changes, each speed has a stiffness of its own: critical speeds are crossings of the sweep
     let solvable = operators.changing.is_empty() && (operators.is_conservative() || operators.is_rotating());
     let criticals = if highest > 0.0 && solvable {

@@ -146,6 +146,12 @@ impl Reduced {
         Self::project(operators, spectrum, (values, kept), corrections, corrected)
     }
 
+    /// The same with that many motions solved with their own law where bearings or the material depend on the motion.
+    pub fn following(mut self, motions: usize) -> Self {
+        self.followed = motions;
+        self
+    }
+
     /// The same with more vectors in the basis.
     ///
     /// # Errors

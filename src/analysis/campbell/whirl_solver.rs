@@ -21,8 +21,13 @@ const CREEP: f64 = 100.0;
 const ZERO: f64 = 1e-6;
 /// Rounding of the state matrix over a frequency above which the motion is sharpened.
 const SHARP: f64 = 1e-8;
+/// Relative distance within which an eigenvalue is looked for: from the solver's own, and from that under another law.
+const NEAR: f64 = 1e-3;
+const FAR: f64 = 0.7;
 /// Most steps towards the law of a motion.
-const SETTLING: usize = 40;
+const SETTLING: usize = 30;
+/// The same where all motions are solved at each law.
+const SETTLING_ALL: usize = 6;
 /// Relative change of an eigenvalue at which its law has settled.
 const SETTLED: f64 = 1e-11;
 /// Relative difference of the eigenvalues of copies of one motion, and the share of one in the other above which they are copies.
@@ -71,9 +76,8 @@ impl Reduced {
 
     /// The motions where bearings depend on the motion: each of the lowest is solved with the law that holds for itself.
     fn solve_implicit(&self, speed: f64) -> Result<Solution> {
-        let first = self.solve_as(speed, c64::new(0.0, speed))?;
-        // what creeps has no frequency
-        let slow = self.solve_as(speed, c64::new(0.0, 0.0))?;
+        // the law of a motion without frequency: that of what creeps, and a start for what oscillates
+        let first = self.solve_as(speed, c64::new(0.0, 0.0))?;
         let mut motions: Vec<Whirling> = Vec::new();
         let mut unsettled = 0;
         for (i, start) in first.motions[..first.oscillating].iter().enumerate() {
@@ -91,7 +95,7 @@ impl Reduced {
         }
         motions.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
         let oscillating = motions.len();
-        let creeping = slow.motions[slow.oscillating..].to_vec();
+        let creeping = first.motions[first.oscillating..].to_vec();
         let overdamped = self.overdamped(&creeping, oscillating);
         motions.extend(creeping);
         Ok(Solution { speed, motions, oscillating, overdamped, unsettled })
@@ -101,24 +105,30 @@ impl Reduced {
     /// time that of the motion before. `None` where it does not settle, or stops to oscillate.
     fn settled(&self, speed: f64, start: &Whirling) -> Result<Option<Whirling>> {
         let mut motion = start.clone();
+        let (mut law, mut last) = (motion.lambda, c64::new(0.0, 0.0));
         for _ in 0..SETTLING {
-            let at = FirstOrderForm::new(self, speed, motion.lambda)?;
+            let at = FirstOrderForm::new(self, speed, law)?;
             let (a, forms) = (at.state_matrix(), at.forms());
             let mut right = motion.right.clone();
             let mut left = motion.left.take().unwrap_or_else(|| right.clone());
             at.turn(&mut right);
             at.turn(&mut left);
             let before = motion.lambda;
-            (motion.lambda, motion.noise) = at.sharpened(&a, &forms, (&mut right, &mut left), before);
+            (motion.lambda, motion.noise) = at.sharpened(&a, &forms, (&mut right, &mut left), before, FAR);
             at.restored(&mut right);
             at.restored(&mut left);
             (motion.right, motion.left) = (right, Some(left));
             if !(motion.lambda.im > 0.0) {
                 return Ok(None);
             }
-            if (motion.lambda - before).norm() <= SETTLED * motion.lambda.norm() {
-                return Ok(Some(motion));
+            let step = motion.lambda - law;
+            if step.norm() <= SETTLED * motion.lambda.norm() {
+                return Ok((motion.noise < motion.lambda.norm()).then_some(motion));
             }
+            // steps to and fro are halved
+            let returns = (step * last.conj()).re < 0.0;
+            law += step * if returns { 0.5 } else { 1.0 };
+            last = step;
         }
         Ok(None)
     }
@@ -126,7 +136,7 @@ impl Reduced {
     /// The same by all motions at each law, among which the one most like `start` is taken.
     fn settled_among_all(&self, speed: f64, start: &Whirling) -> Result<Option<Whirling>> {
         let mut lambda = start.lambda;
-        for _ in 0..SETTLING {
+        for _ in 0..SETTLING_ALL {
             let all = self.solve_as(speed, lambda)?;
             let Some(motion) = most_like(&all, start).filter(|m| m.lambda.im > 0.0) else { return Ok(None) };
             let before = std::mem::replace(&mut lambda, motion.lambda);
@@ -188,9 +198,9 @@ impl Reduced {
             if self.rotating && is_real(&k) {
                 lambda.im = 0.0;
             } else if !conservative && rounding > SHARP * lambda.norm() && !creeps(&k) {
-                (lambda, noise) = at.sharpened(&a, &forms, (&mut right, &mut left), lambda);
+                (lambda, noise) = at.sharpened(&a, &forms, (&mut right, &mut left), lambda, NEAR);
             } else if !conservative {
-                (lambda, noise) = at.quotient(&forms, (&right, &left), lambda);
+                (lambda, noise) = at.quotient(&forms, (&right, &left), lambda, NEAR);
             } else if lambda.re.abs() <= 1e-7 * lambda.im + 1e-13 * largest {
                 let sharp = lambda.im >= ZERO * largest;
                 lambda = c64::new(0.0, if sharp { lambda.im } else { at.rayleigh(&right, lambda.im) });

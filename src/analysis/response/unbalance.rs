@@ -13,7 +13,7 @@ use crate::analysis::response::vibration::{Place, Vibration};
 use crate::analysis::{Counter, Outcome, model_remarks, operating_range, summary, table_remarks};
 use crate::error::{Refusal, Result};
 use crate::model::{Form, Gyroscopic, Model, OperatingSpeed, Station, Unbalance, UnbalanceSettings};
-use crate::results::{DeflectedShape, Margin, Modelled, Peak, UnbalanceMass, UnbalanceResponse};
+use crate::results::{DeflectedShape, Margin, Modelled, Peak, UnbalanceMass, UnbalanceResponse, Verdict};
 use crate::shaft::assembly::Assembly;
 use crate::shaft::attachments::place_rows;
 use faer::c64;
@@ -22,6 +22,8 @@ use std::f64::consts::{PI, TAU};
 
 /// Relative distances from a critical speed at which the response is looked at for a peak.
 const AROUND: [f64; 9] = [0.0, 1e-5, 1e-4, 1e-3, 3e-3, 0.01, 0.02, 0.04, 0.08];
+/// Relative difference of two speeds that is none.
+const SAME_SPEED: f64 = 2e-6;
 /// Circularity from which a motion is a forward one.
 const LEAST_CIRCULARITY: f64 = 0.01;
 /// Share of the largest amplitude of a station below which a maximum is none.
@@ -40,22 +42,7 @@ pub fn unbalance(
     settings: &UnbalanceSettings,
     progress: Counter<'_>,
 ) -> Result<Outcome<UnbalanceResponse>> {
-    let Some(&highest) = settings.speeds.last() else {
-        return Err(Refusal::at(
-            "unbalance.speeds",
-            "the unbalance has no speeds",
-            r#"for example "speeds": { "from": 0, "to": "12000 rpm", "count": 601 }"#,
-        )
-        .into());
-    };
-    if settings.masses.is_empty() {
-        return Err(Refusal::at(
-            "unbalance.masses",
-            "nothing is out of balance",
-            "masses with their moments, a grade, or disks with an offset",
-        )
-        .into());
-    }
+    let highest = highest_speed(settings)?;
     let frame = frame(model, "unbalance")?;
     refuse_dependent(model)?;
     if settings.form == Form::Consistent {
@@ -91,35 +78,14 @@ pub fn unbalance(
     let operating = model.operating_speed.map(|o| [o.minimum, o.maximum]);
     let (mut peaks, mut curves, mut margins) = (Vec::new(), Vec::new(), Vec::new());
     for (i, station) in settings.stations.iter().enumerate() {
-        let told = |q: &[c64]| readings.told(i, q);
-        let mut curve: Vec<[f64; 3]> = fine_speeds
-            .iter()
-            .zip(&fine)
-            .map(|(s, q)| [*s, factor * told(q).norm(), told(q).arg()])
-            .collect();
+        let told = |q: &[c64]| readings.told(i, q) * factor;
+        let here: Vec<c64> = fine.iter().map(|q| told(q)).collect();
         let at = |speed: f64| response(speed).map_or(c64::new(0.0, 0.0), |q| told(&q));
-        let largest = curve.iter().fold(0.0, |m: f64, c| m.max(c[1]));
-        let found = margins::peaks(&|speed| factor * at(speed).norm(), &fine_speeds);
-        for peak in found.into_iter().filter(|p| p.amplitude > LEAST_PEAK * largest) {
-            let phase_rad = at(peak.speed_rad_s).arg();
-            curve.push([peak.speed_rad_s, peak.amplitude, phase_rad]);
-            let verdict = operating.map(|range| margins::separation(&peak, range));
-            peaks.push(Peak {
-                station: station.name.clone(),
-                at: station.x,
-                speed_rad_s: peak.speed_rad_s,
-                speed_rpm: peak.speed_rad_s * 30.0 / PI,
-                amplitude_m: peak.amplitude,
-                phase_rad,
-                half_power_rad_s: [peak.lower_speed_rad_s, peak.upper_speed_rad_s],
-                amplification_factor: peak.amplification_factor,
-                separation_margin_percent: verdict.as_ref().and_then(|v| v.value),
-                required_percent: verdict.as_ref().and_then(|v| v.limit),
-                pass: verdict.as_ref().map(|v| v.pass),
-            });
+        let (found, curve) = peaks_of(station, operating, &fine_speeds, &here, &at);
+        for (peak, verdict) in found {
             margins.extend(verdict.map(|verdict| Margin { subject: station.name.clone(), verdict }));
+            peaks.push(peak);
         }
-        curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
         curves.push(curve);
     }
     peaks.sort_by(|a, b| a.speed_rad_s.total_cmp(&b.speed_rad_s).then(a.at.total_cmp(&b.at)));
@@ -143,16 +109,7 @@ pub fn unbalance(
     let results = UnbalanceResponse {
         form: settings.form.name(),
         amplitude: settings.amplitude.name(),
-        masses: settings
-            .masses
-            .iter()
-            .map(|m| UnbalanceMass {
-                at: m.x,
-                moment_kg_m: m.moment,
-                angle_rad: m.angle,
-                path: m.path.clone(),
-            })
-            .collect(),
+        masses: masses(settings),
         operating_speed: operating_range(model),
         stations: readings.stations(settings.stations.len(), &all, &[], factor, true),
         shapes: shapes(settings, &peaks, &readings, &response)?,
@@ -165,6 +122,73 @@ pub fn unbalance(
         speeds_rad_s: settings.speeds.clone(),
     };
     Ok(Outcome { results, model: summary, diagnostics })
+}
+
+/// The last of the speeds asked for; refuses settings without speeds or masses.
+fn highest_speed(settings: &UnbalanceSettings) -> Result<f64> {
+    let Some(&highest) = settings.speeds.last() else {
+        return Err(Refusal::at(
+            "unbalance.speeds",
+            "the unbalance has no speeds",
+            r#"for example "speeds": { "from": 0, "to": "12000 rpm", "count": 601 }"#,
+        )
+        .into());
+    };
+    if settings.masses.is_empty() {
+        return Err(Refusal::at(
+            "unbalance.masses",
+            "nothing is out of balance",
+            "masses with their moments, a grade, or disks with an offset",
+        )
+        .into());
+    }
+    Ok(highest)
+}
+
+/// Peaks of a station among the responses `here` at some speeds, `at` any speed, with what is asked of them; and its curve, speed,
+/// amplitude and phase.
+fn peaks_of(
+    station: &Station,
+    operating: Option<[f64; 2]>,
+    speeds: &[f64],
+    here: &[c64],
+    at: &dyn Fn(f64) -> c64,
+) -> (Vec<(Peak, Option<Verdict>)>, Vec<[f64; 3]>) {
+    let mut curve: Vec<[f64; 3]> = speeds.iter().zip(here).map(|(s, z)| [*s, z.norm(), z.arg()]).collect();
+    let largest = here.iter().fold(0.0, |m: f64, z| m.max(z.norm()));
+    let found = margins::peaks(&|speed| at(speed).norm(), speeds);
+    let mut peaks = Vec::new();
+    for peak in found.into_iter().filter(|p| p.amplitude > LEAST_PEAK * largest) {
+        let phase_rad = at(peak.speed_rad_s).arg();
+        curve.push([peak.speed_rad_s, peak.amplitude, phase_rad]);
+        let verdict = operating.map(|range| margins::separation(&peak, range));
+        let told = Peak {
+            station: station.name.clone(),
+            at: station.x,
+            speed_rad_s: peak.speed_rad_s,
+            speed_rpm: peak.speed_rad_s * 30.0 / PI,
+            amplitude_m: peak.amplitude,
+            phase_rad,
+            half_power_rad_s: [peak.lower_speed_rad_s, peak.upper_speed_rad_s],
+            amplification_factor: peak.amplification_factor,
+            separation_margin_percent: verdict.as_ref().and_then(|v| v.value),
+            required_percent: verdict.as_ref().and_then(|v| v.limit),
+            pass: verdict.as_ref().map(|v| v.pass),
+        };
+        peaks.push((told, verdict));
+    }
+    curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    (peaks, curve)
+}
+
+fn masses(settings: &UnbalanceSettings) -> Vec<UnbalanceMass> {
+    let one = |m: &Unbalance| UnbalanceMass {
+        at: m.x,
+        moment_kg_m: m.moment,
+        angle_rad: m.angle,
+        path: m.path.clone(),
+    };
+    settings.masses.iter().map(one).collect()
 }
 
 /// Displacement along y and z of the section where a mass is.
@@ -217,7 +241,8 @@ fn looks(settings: &UnbalanceSettings, criticals: &[f64]) -> Vec<f64> {
     }
     list.retain(|s| *s > 0.0 && (first..=last).contains(s));
     list.sort_by(f64::total_cmp);
-    list.dedup();
+    // between neighbours that are one by rounding there is no peak
+    list.dedup_by(|b, a| *b - *a <= SAME_SPEED * *b);
     list
 }
 

@@ -45,7 +45,9 @@ pub(super) fn eliminate(model: &Model, numbering: &Numbering, supports: bool) ->
             free.push(normal);
         }
         // a housing does not move along the axis
-        for coordinate in numbering.housings(node).filter(|i| (i - numbering.housings(node).start) % 3 != 0) {
+        for coordinate in
+            numbering.housings(node).filter(|i| !(i - numbering.housings(node).start).is_multiple_of(3))
+        {
             expansion[coordinate] = vec![(free.len(), 1.0)];
             free.push(coordinate);
         }
