@@ -29,6 +29,7 @@ const STEEL: Material = Material {
     density: 7850.0,
     stiffness_damping: 0.0,
     mass_damping: 0.0,
+    loss_factor: 0.0,
 };
 
 /// Coordinates of an element of n vectors, 0.3 m long, strained by some per cent; R is the reference length, m.

@@ -68,10 +68,6 @@ pub fn harmonic(
     describe_model(model, (Gyroscopic::All, settings.form, speed > 0.0), &vibration.operators, &mut summary);
     summary.modelled.push(Modelled::Excitations(settings.excitations.len()));
     let at: Vec<(f64, f64)> = settings.frequencies.iter().map(|w| (speed, *w)).collect();
-    let mut forces = readings.forces(&all, &at);
-    for ((_, response), bearing) in forces.iter_mut().zip(readings.bearings()) {
-        response.at = model.nodes[bearing.node].x;
-    }
     let results = HarmonicResponse {
         form: settings.form.name(),
         amplitude: settings.amplitude.name(),
@@ -83,7 +79,7 @@ pub fn harmonic(
             settings.amplitude.factor(),
             false,
         ),
-        bearing_forces_n: forces.into_iter().collect(),
+        bearing_forces_n: readings.forces(&all, &at).into_iter().collect(),
         stability_threshold_rad_s,
         measured_error,
         frequencies_rad_s: settings.frequencies.clone(),

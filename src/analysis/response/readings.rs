@@ -18,7 +18,8 @@ type Place = [ReducedRow; 2];
 pub struct Readings<'m> {
     /// Each with its displacement and, outside rigid hubs, the stress at its surface.
     stations: Vec<(&'m Station, Place, Option<Place>)>,
-    bearings: Vec<(&'m Bearing, Place)>,
+    /// Each with its position, m.
+    bearings: Vec<(&'m Bearing, f64, Place)>,
     shape: Vec<(f64, Place)>,
 }
 
@@ -48,7 +49,10 @@ impl<'m> Readings<'m> {
         Self {
             stations: stations.iter().map(|s| (s, place(s.x), stress(s.x))).collect(),
             bearings: lateral
-                .map(|b| (b, bearing_rows(model, numbering, b).map(|row| vibration.row(&row))))
+                .map(|b| {
+                    let rows = bearing_rows(model, numbering, b).map(|row| vibration.row(&row));
+                    (b, model.nodes[b.node].x, rows)
+                })
                 .collect(),
             shape: ends.map(|x| (x, place(x))).collect(),
         }
@@ -119,8 +123,8 @@ impl<'m> Readings<'m> {
     /// Forces that the shaft exerts on bearings, and bearings on housings and housings on the ground: `(K + i w C - w^2 M) u` at each
     /// (speed, frequency).
     pub fn forces(&self, all: &[Vec<c64>], at: &[(f64, f64)]) -> Vec<(String, ForceResponse)> {
-        let one = |(bearing, place): &(&Bearing, Place)| {
-            let mut response = ForceResponse::default();
+        let one = |(bearing, x, place): &(&Bearing, f64, Place)| {
+            let mut response = ForceResponse { at: *x, ..ForceResponse::default() };
             for (q, &(speed, frequency)) in all.iter().zip(at) {
                 let law =
                     bearing.table.as_ref().map_or_else(|| bearing.at_rest(), |t| t.at(speed, frequency));
@@ -142,11 +146,6 @@ impl<'m> Readings<'m> {
             (bearing.path.clone(), response)
         };
         self.bearings.iter().map(one).collect()
-    }
-
-    /// The bearings whose forces are told, with their nodes.
-    pub fn bearings(&self) -> impl Iterator<Item = &'m Bearing> + '_ {
-        self.bearings.iter().map(|(b, _)| *b)
     }
 }
 

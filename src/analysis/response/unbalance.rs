@@ -33,6 +33,9 @@ const SPREAD: usize = 48;
 /// Peaks at which the reduced response is checked.
 const CHECKED_PEAKS: usize = 6;
 
+/// A peak with what the standard says of it.
+type JudgedPeak = (Peak, Option<Verdict>);
+
 /// Solves for the response over speed, its peaks and what bearings carry.
 ///
 /// # Errors
@@ -89,12 +92,7 @@ pub fn unbalance(
         curves.push(curve);
     }
     peaks.sort_by(|a, b| a.speed_rad_s.total_cmp(&b.speed_rad_s).then(a.at.total_cmp(&b.at)));
-    if let Some(operating) = model.operating_speed {
-        let orbits = |i: usize| fine.iter().map(|q| readings.orbit(i, q).major()).collect();
-        let majors: Vec<Vec<f64>> = (0..stations.len()).map(orbits).collect();
-        margins.extend(limits(model, settings, operating, &fine_speeds, &majors));
-        margins.extend(level_one(&vibration, operating)?);
-    }
+    margins.extend(operating_margins(model, settings, (&vibration, &readings), &fine_speeds, &fine)?);
     let stability_threshold_rad_s = vibration.threshold(highest, &mut diagnostics)?;
 
     let mut summary =
@@ -102,10 +100,6 @@ pub fn unbalance(
     describe_model(model, (Gyroscopic::All, settings.form, true), &vibration.operators, &mut summary);
     summary.modelled.push(Modelled::UnbalanceMasses(settings.masses.len()));
     let at: Vec<(f64, f64)> = settings.speeds.iter().map(|s| (*s, *s)).collect();
-    let mut forces = readings.forces(&all, &at);
-    for ((_, response), bearing) in forces.iter_mut().zip(readings.bearings()) {
-        response.at = model.nodes[bearing.node].x;
-    }
     let results = UnbalanceResponse {
         form: settings.form.name(),
         amplitude: settings.amplitude.name(),
@@ -115,7 +109,7 @@ pub fn unbalance(
         shapes: shapes(settings, &peaks, &readings, &response)?,
         peaks,
         margins,
-        bearing_forces_n: forces.into_iter().collect(),
+        bearing_forces_n: readings.forces(&all, &at).into_iter().collect(),
         stability_threshold_rad_s,
         measured_error,
         fine: curves,
@@ -153,7 +147,7 @@ fn peaks_of(
     speeds: &[f64],
     here: &[c64],
     at: &dyn Fn(f64) -> c64,
-) -> (Vec<(Peak, Option<Verdict>)>, Vec<[f64; 3]>) {
+) -> (Vec<JudgedPeak>, Vec<[f64; 3]>) {
     let mut curve: Vec<[f64; 3]> = speeds.iter().zip(here).map(|(s, z)| [*s, z.norm(), z.arg()]).collect();
     let largest = here.iter().fold(0.0, |m: f64, z| m.max(z.norm()));
     let found = margins::peaks(&|speed| at(speed).norm(), speeds);
@@ -244,6 +238,23 @@ fn looks(settings: &UnbalanceSettings, criticals: &[f64]) -> Vec<f64> {
     // between neighbours that are one by rounding there is no peak
     list.dedup_by(|b, a| *b - *a <= SAME_SPEED * *b);
     list
+}
+
+/// Everything that the standards ask of a machine with operating speeds, beside the margins of its peaks.
+fn operating_margins(
+    model: &Model,
+    settings: &UnbalanceSettings,
+    (vibration, readings): (&Vibration<'_>, &Readings<'_>),
+    speeds: &[f64],
+    all: &[Vec<c64>],
+) -> Result<Vec<Margin>> {
+    let Some(operating) = model.operating_speed else { return Ok(Vec::new()) };
+    let stations = settings.stations.len() + model.clearances.len();
+    let orbits = |i: usize| all.iter().map(|q| readings.orbit(i, q).major()).collect();
+    let majors: Vec<Vec<f64>> = (0..stations).map(orbits).collect();
+    let mut list = limits(model, settings, operating, speeds, &majors);
+    list.extend(level_one(vibration, operating)?);
+    Ok(list)
 }
 
 /// Vibration limit and scaled clearances, and the unbalance, against the rules of the standards: amplitudes are whole major axes.
