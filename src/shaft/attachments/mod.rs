@@ -172,7 +172,7 @@ pub fn face_rows(model: &Model, node: usize) -> Vec<Vec<f64>> {
     (9..n).map(|at| (0..n).map(|i| f64::from(i == at)).collect()).collect()
 }
 
-/// Coordinates, counted from the first of a node, of followers that are free: those beyond a coupling, and those of [`free_kinks`].
+/// Coordinates, counted from the first of a node, of followers that are free: all of them beyond a coupling, kinked functions at a step.
 pub fn free_followers(model: &Model, node: usize) -> Vec<usize> {
     let Node { field, follower: Some(follower), coupled: true, .. } = model.nodes[node] else {
         return free_kinks(model, node);
