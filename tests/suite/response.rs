@@ -212,10 +212,29 @@ fn a_grade_is_spread_over_the_disks() {
     close(operating[1].moment_kg_m / operating[0].moment_kg_m, 45.9457926 / 14.5801315, 1e-9, "share");
 }
 
+/// A disk on a light shaft with internal damping; its sweep follows too few speeds to be a case of its own.
+fn internal_damping() -> LoadedCase {
+    let text = include_str!("../reference/rotor/internal-damping.json");
+    LoadedCase::from_value("internal-damping.json", serde_json::from_str(text).unwrap()).unwrap()
+}
+
+/// Viscous: `Omega = w (1 + c_ext / c_int)`; a loss factor drives from the critical speed on where `eta k > c_ext w`.
+#[test]
+fn thresholds_of_internal_damping() {
+    let case = internal_damping();
+    assert!(case.case.expected.len() >= 9);
+    for expected in &case.case.expected {
+        let set = Value::Object(expected.set.clone().unwrap_or_default());
+        let results = crate::common::campbell(&with(&case, set.clone()));
+        let right = expected.value.as_f64().unwrap();
+        close(results.stability_threshold_rad_s.unwrap_or(0.0), right, 1e-4, &set.to_string());
+    }
+}
+
 /// Internal damping above its threshold: the response is told with the error that it is never reached.
 #[test]
 fn an_unstable_rotor_is_told() {
-    let mut value = case("internal-damping").value;
+    let mut value = internal_damping().value;
     value["unbalance"] = json!({ "speeds": { "from": 10, "to": 300, "count": 30 }, "form": "classical",
                                  "masses": [{ "at": 0.5, "moment": 1e-4 }] });
     let (results, diagnostics) = told(&LoadedCase::from_value("unstable.json", value).unwrap());
