@@ -46,6 +46,7 @@ pub fn scaled(case: &Case, scale: f64) -> LoadedCase {
     // responses are not compared
     (case.unbalance, case.harmonic, case.map, case.operating_speed) = (None, None, None, None);
     case.clearances.clear();
+    case.expected.clear();
     for d in &mut case.disks {
         length(&mut d.at);
         each(&mut d.radius);

@@ -201,31 +201,7 @@ impl Reduced {
             [multiply(&operators.mass, x.as_ref()), on_velocity, on_position]
         };
         let (re, im) = (products(&real), products(&imaginary));
-        let mut changes = Mat::<c64>::zeros(real.nrows(), real.ncols());
-        if !operators.hysteresis.is_none() {
-            for (j, target) in targets.iter().enumerate() {
-                let [re, im] = [&real, &imaginary]
-                    .map(|x| operators.hysteresis.products(speed, target.lambda, x.subcols(j, 1)));
-                for i in 0..shapes.nrows() {
-                    let z = |part: usize| c64::new(re[part][(i, 0)], im[part][(i, 0)]);
-                    changes[(i, j)] += target.lambda * z(0) + z(1);
-                }
-            }
-        }
-        for bearing in &operators.changing {
-            for (j, target) in targets.iter().enumerate() {
-                let change = bearing.change(speed, target.lambda);
-                let felt = [0, 1]
-                    .map(|k| (0..shapes.nrows()).map(|i| shapes[(i, j)] * bearing.rows[(i, k)]).sum::<c64>());
-                for k in 0..2 {
-                    let on = |l: usize| {
-                        change.stiffness[k][l] + change.turning[k][l] + target.lambda * change.damping[k][l]
-                    };
-                    let force = on(0) * felt[0] + on(1) * felt[1];
-                    (0..shapes.nrows()).for_each(|i| changes[(i, j)] += force * bearing.rows[(i, k)]);
-                }
-            }
-        }
+        let changes = changing_forces(operators, speed, targets, (&real, &imaginary));
         let residual = |i: usize, j: usize| {
             let lambda = targets[j].lambda;
             let z = |k: usize| c64::new(re[k][(i, j)], im[k][(i, j)]);
@@ -363,6 +339,43 @@ impl Reduced {
 /// Removes rounding from a matrix that is skew by construction.
 fn skew(a: Mat<f64>) -> Mat<f64> {
     Mat::from_fn(a.nrows(), a.ncols(), |i, j| (a[(i, j)] - a[(j, i)]) / 2.0)
+}
+
+/// Forces on motions (real and imaginary parts in columns) of what depends on speed or on the motion itself: bearings that change
+/// and materials with a loss factor.
+fn changing_forces(
+    operators: &Operators,
+    speed: f64,
+    targets: &[Whirling],
+    (real, imaginary): (&Mat<f64>, &Mat<f64>),
+) -> Mat<c64> {
+    let shapes = Mat::from_fn(real.nrows(), real.ncols(), |i, j| c64::new(real[(i, j)], imaginary[(i, j)]));
+    let mut changes = Mat::<c64>::zeros(real.nrows(), real.ncols());
+    if !operators.hysteresis.is_none() {
+        for (j, target) in targets.iter().enumerate() {
+            let [re, im] = [real, imaginary]
+                .map(|x| operators.hysteresis.products(speed, target.lambda, x.subcols(j, 1)));
+            for i in 0..shapes.nrows() {
+                let z = |part: usize| c64::new(re[part][(i, 0)], im[part][(i, 0)]);
+                changes[(i, j)] += target.lambda * z(0) + z(1);
+            }
+        }
+    }
+    for bearing in &operators.changing {
+        for (j, target) in targets.iter().enumerate() {
+            let change = bearing.change(speed, target.lambda);
+            let felt = [0, 1]
+                .map(|k| (0..shapes.nrows()).map(|i| shapes[(i, j)] * bearing.rows[(i, k)]).sum::<c64>());
+            for k in 0..2 {
+                let on = |l: usize| {
+                    change.stiffness[k][l] + change.turning[k][l] + target.lambda * change.damping[k][l]
+                };
+                let force = on(0) * felt[0] + on(1) * felt[1];
+                (0..shapes.nrows()).for_each(|i| changes[(i, j)] += force * bearing.rows[(i, k)]);
+            }
+        }
+    }
+    changes
 }
 
 /// The columns for which `keep` holds.
