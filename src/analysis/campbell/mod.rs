@@ -23,7 +23,7 @@ use crate::accuracy::locking_and_rounding::{refuse_dependent, refuse_tiny_bore};
 use crate::analysis::Counter;
 use crate::analysis::campbell::branches::mostly;
 use crate::analysis::campbell::operators::Operators;
-use crate::analysis::campbell::reduced_basis::Reduced;
+use crate::analysis::campbell::reduced_basis::{Reduced, Solution};
 use crate::analysis::campbell::remarks::{describe_model, fits, offset_remark, speed_remarks};
 use crate::analysis::campbell::spin_stiffening::{Stiffening, burst, burst_of};
 use crate::analysis::campbell::sweep::WhirlSolver;
@@ -87,16 +87,7 @@ pub fn campbell(
         WhirlSolver { operators: &operators, spectrum: &spectrum, reduced: &reduced, settings, speeds };
 
     let sweep = solver.sweep(progress)?;
-    let unsettled: usize = sweep.iter().map(|s| s.unsettled).sum();
-    if unsettled > 0 {
-        diagnostics.push(Diagnostic::warning(
-            "whirl-unsettled",
-            format!(
-                "for {unsettled} motions over all speeds no frequency was found at which the bearings' coefficients are their \
-                 own: they are told with the coefficients of the spin speed"
-            ),
-        ));
-    }
+    diagnostics.extend(unsettled_remark(&sweep));
     let character = Character::new(&assembly)?;
     let branches = solver.track(&sweep, &character, &mut diagnostics)?;
 
@@ -115,12 +106,7 @@ pub fn campbell(
     describe_model(model, (settings.gyroscopic, settings.form, spins), &operators, &mut model_summary);
     let reported: Vec<Branch> =
         branches.into_iter().take(settings.modes).map(|t| solver.at_asked_speeds(t.branch)).collect();
-    if reported.len() < settings.modes {
-        diagnostics.push(Diagnostic::warning(
-            "few-branches",
-            format!("{} branches were asked for; the basis holds only {}", settings.modes, reported.len()),
-        ));
-    }
+    diagnostics.extend(few_remark(settings.modes, reported.len()));
     let results = Campbell {
         frame: settings.frame.name(),
         form: settings.form.name(),
@@ -139,6 +125,22 @@ pub fn campbell(
         },
     };
     Ok(Outcome { results, model: model_summary, diagnostics })
+}
+
+/// Motions that are told with a law that is not their own.
+fn unsettled_remark(sweep: &[Solution]) -> Option<Diagnostic> {
+    let unsettled: usize = sweep.iter().map(|s| s.unsettled).sum();
+    let text = format!(
+        "for {unsettled} motions over all speeds no frequency was found at which the bearings' coefficients are their own: they \
+         are told with others"
+    );
+    (unsettled > 0).then(|| Diagnostic::warning("whirl-unsettled", text))
+}
+
+/// Fewer branches than were asked for.
+fn few_remark(asked: usize, found: usize) -> Option<Diagnostic> {
+    let text = format!("{asked} branches were asked for; the basis holds only {found}");
+    (found < asked).then(|| Diagnostic::warning("few-branches", text))
 }
 
 /// The matrices of the sweep, in the frame and form of the settings.
